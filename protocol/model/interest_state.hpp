@@ -21,7 +21,10 @@ struct PatchKey {
 };
 inline constexpr uint8_t finest_patch_level = 15;    // 32 m
 inline constexpr uint8_t coarsest_patch_level = 26;  // 65.5 km
+/// The closed square: max is the neighbours' min, so that surfaces agree on their common edge.
 LatticeRect rect_of(PatchKey key);
+/// The patch of a level that holds the point.
+PatchKey patch_at(LatticePoint p, uint8_t level);
 
 /// One box as a patch sees it: the first train_count trains of the box (by falling wavelength); the others' displayed
 /// gain is 0 on the whole closed patch for every camera within the anchor's slack.
@@ -66,6 +69,9 @@ struct FieldBlock {
     FieldId field;
     uint8_t step_log2 = 16;
     std::shared_ptr<const LandBlock> block;
+    /// hash_of(*block), so that hashing a state costs no pass over its nodes; 0 = not yet computed (decoders leave it,
+    /// apply fills it in). Never on the wire.
+    uint64_t content = 0;
 };
 
 /// The state a client holds: the server keeps the same value as the base of its deltas.
