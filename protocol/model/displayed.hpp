@@ -10,8 +10,9 @@ namespace trochoid {
 inline constexpr float finest_vertex_spacing = 0.5F;
 /// Vertices are this many pixels apart for each pixel of error in force.
 inline constexpr float pixels_per_vertex = 2.0F;
-/// Largest number of segments that a patch's side is tessellated into; patches split until that suffices.
-inline constexpr int patch_segments = 64;
+/// Patches split until their side takes at most this many vertex spacings (two runs of 48 for a tessellator whose limit
+/// is 64).
+inline constexpr int patch_segments = 96;
 /// A train starts to show where its wavelength is this many vertex spacings, and is whole at the second.
 inline constexpr float spacings_of_first_show = 2.0F;
 inline constexpr float spacings_of_full_show = 4.0F;

@@ -58,6 +58,10 @@ struct CullKey {
 };
 uint64_t hash_of(const CullKey& key);
 
+/// Boxes that ended longer ago than this, before the key's span, are not kept for sync regions: how far lag compensation
+/// may look back.
+inline constexpr int64_t sync_history_us = int64_t{600} * microseconds_per_second;
+
 struct FieldBlockKey {
     FieldId field;
     BlockKey block;

@@ -1,0 +1,45 @@
+#pragma once
+#include "protocol/codec/codec.hpp"
+#include "protocol/codec/scrutiny.hpp"
+#include "values_generated.h"
+
+// Values that several messages carry, to and from the schema's structs and tables.
+namespace trochoid {
+
+using Builder = flatbuffers::FlatBufferBuilder;
+
+/// Most wave trains (hence land fields) of any box, spectral ones included.
+inline constexpr size_t most_trains_in_a_box = 256;
+
+wire_fb::View pack(const ViewState& view);
+/// `widest`: largest tangent of a half-angle (20 for a client's own view).
+ViewState unpack(Scrutiny& check, const wire_fb::View& view, float widest);
+inline constexpr float widest_view = 20.0F;
+/// Anchors of cull keys are padded.
+inline constexpr float widest_anchor = 1.0e6F;
+
+flatbuffers::Offset<flatbuffers::Vector<const wire_fb::Region*>> pack(Builder& builder,
+                                                                      const std::vector<SyncRegion>& regions);
+std::vector<SyncRegion> unpack_regions(Scrutiny& check,
+                                       const flatbuffers::Vector<const wire_fb::Region*>* regions);
+
+wire_fb::Clock pack(const SeaClock& clock);
+SeaClock unpack(Scrutiny& check, const wire_fb::Clock* clock);
+
+wire_fb::Wind pack(const StartWind& wind);
+/// A wind that a director asks for: speed from 1 m/s, at least one train.
+StartWind unpack_asked(Scrutiny& check, const wire_fb::Wind* wind);
+/// A wind as the log keeps it: speed 0 and 0 trains say that the box came from a scene, not from a wind.
+StartWind unpack_logged(Scrutiny& check, const wire_fb::Wind* wind);
+
+flatbuffers::Offset<wire_fb::Box> pack(Builder& builder, const WaveTrainBox& box);
+/// Validated as a whole by validate(WaveTrainBox).
+WaveTrainBox unpack(Scrutiny& check, const wire_fb::Box& box);
+
+flatbuffers::Offset<wire_fb::Goodbye> pack(Builder& builder, const Goodbye& goodbye);
+Goodbye unpack(Scrutiny& check, const wire_fb::Goodbye& goodbye);
+
+wire_fb::Code pack(ErrorCode code);
+ErrorCode unpack(Scrutiny& check, wire_fb::Code code);
+
+}  // namespace trochoid

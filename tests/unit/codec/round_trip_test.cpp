@@ -1,0 +1,106 @@
+#include <gtest/gtest.h>
+
+#include "protocol/codec/codec.hpp"
+#include "tests/unit/codec/random_messages.hpp"
+
+namespace trochoid {
+namespace {
+
+constexpr int repetitions = 60;
+
+TEST(RoundTrip, EveryClientMessageComesBackEqualAndEncodesToTheSameBytes) {
+    Dice dice(1);
+    for (int i = 0; i < repetitions; ++i)
+        for (size_t kind = 0; kind < client_kinds; ++kind) {
+            const ClientMessage message = random_client_message(dice, kind);
+            ASSERT_EQ(message.index(), kind);
+            const Bytes bytes = encode(message);
+            const auto back = decode_client(bytes);
+            ASSERT_TRUE(back) << "kind " << kind << ": " << back.error().message;
+            EXPECT_EQ(*back, message) << "kind " << kind;
+            EXPECT_EQ(encode(*back), bytes) << "kind " << kind;
+        }
+}
+
+TEST(RoundTrip, EveryServerMessageComesBackEqualAndEncodesToTheSameBytes) {
+    Dice dice(2);
+    for (int i = 0; i < repetitions; ++i)
+        for (size_t kind = 0; kind < server_kinds; ++kind) {
+            const ServerMessage message = random_server_message(dice, kind);
+            ASSERT_EQ(message.index(), kind);
+            const Bytes bytes = encode(message);
+            const auto back = decode_server(bytes);
+            ASSERT_TRUE(back) << "kind " << kind << ": " << back.error().message;
+            EXPECT_TRUE(same(*back, message)) << "kind " << kind;
+            EXPECT_EQ(encode(*back), bytes) << "kind " << kind;
+        }
+}
+
+TEST(RoundTrip, EveryEventComesBackEqualAndEncodesToTheSameBytes) {
+    Dice dice(3);
+    for (int i = 0; i < repetitions; ++i)
+        for (size_t kind = 0; kind < event_kinds; ++kind) {
+            const LogEvent event = random_event(dice, kind);
+            ASSERT_EQ(event.what.index(), kind);
+            const Bytes bytes = encode(event);
+            const auto back = decode_event(bytes);
+            ASSERT_TRUE(back) << "kind " << kind << ": " << back.error().message;
+            EXPECT_EQ(*back, event) << "kind " << kind;
+            EXPECT_EQ(encode(*back), bytes) << "kind " << kind;
+        }
+}
+
+TEST(RoundTrip, DefaultsTravelToo) {
+    for (const ClientMessage& message :
+         {ClientMessage{ViewUpdate{}}, ClientMessage{SyncRegions{}}, ClientMessage{Ack{}},
+          ClientMessage{Command{}}, ClientMessage{SampleRequest{}}, ClientMessage{Goodbye{}}}) {
+        const auto back = decode_client(encode(message));
+        ASSERT_TRUE(back) << back.error().message;
+        EXPECT_EQ(*back, message);
+    }
+    ServerHello hello;
+    hello.protocol = 1;
+    const auto back = decode_server(encode(ServerMessage{hello}));
+    ASSERT_TRUE(back) << back.error().message;
+    EXPECT_TRUE(same(*back, hello));
+}
+
+TEST(RoundTrip, ABoxWhereEveryTrainHasItsOwnField) {
+    Dice dice(4);
+    LogEvent event{1, {}, BoxStarted{random_box(dice, 7, 256), "shore", {}}};
+    auto& trains = std::get<BoxStarted>(event.what).box.trains;
+    for (size_t i = 0; i < trains.size(); ++i) trains[i].field = {static_cast<uint32_t>(i)};
+    const auto back = decode_event(encode(event));
+    ASSERT_TRUE(back) << back.error().message;
+    EXPECT_EQ(*back, event);
+}
+
+TEST(RoundTrip, ATrainRecordTakes28Bytes) {
+    Dice dice(5);
+    const auto size_of = [&](size_t trains) {
+        WaveTrainBox box = random_box(dice, 7, trains);
+        for (WaveTrain& train : box.trains) train.field = {};
+        return encode(LogEvent{1, {}, BoxStarted{box, "swell", {}}}).size();
+    };
+    EXPECT_EQ(size_of(102) - size_of(2), 2800U);
+}
+
+TEST(RoundTrip, SentencesAreCutAtACharactersBorderAndLoseControlCharacters) {
+    std::string sentence = "line\nbreak \x1b[31m";
+    while (sentence.size() < 600) sentence += "\xe6\xb5\xb7";
+    const auto back =
+        decode_client(encode(ClientMessage{Goodbye{ErrorCode::internal_error, sentence, false, 0, 0, 0}}));
+    ASSERT_TRUE(back) << back.error().message;
+    const std::string& came = std::get<Goodbye>(*back).message;
+    EXPECT_EQ(came.substr(0, 16), "line break  [31m");
+    EXPECT_LE(came.size(), 512U);
+    EXPECT_GT(came.size(), 508U);
+}
+
+TEST(RoundTrip, TheSchemasHashIsSteadyAndNotThatOfNothing) {
+    EXPECT_EQ(schema_hash(), schema_hash());
+    EXPECT_NE(schema_hash(), Hash64{}.value());
+}
+
+}  // namespace
+}  // namespace trochoid
