@@ -1,0 +1,38 @@
+#pragma once
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "protocol/codec/messages.hpp"
+#include "protocol/model/sea.hpp"
+#include "protocol/model/terrain.hpp"
+#include "protocol/model/wave_ray.hpp"
+
+namespace trochoid {
+
+/// A box as the server holds it.
+struct WorldBox {
+    std::shared_ptr<const PreparedBox>
+        sea;  ///< record (with field ids and gain_max filled in), constants, fields
+    std::string name;
+    StartWind wind;
+    std::vector<WaveRay> rays;  ///< traced along u for debug views, at most 128
+    double land_growth = 1.0;   ///< how much steeper land makes it at most, for the steepness guard
+};
+
+/// The world after some prefix of the log: an immutable value that a tick, a cull or a query reads without locks.
+struct WorldState {
+    std::string name;
+    LogPosition log_position;
+    uint64_t log_hash = 0;
+    SeaClock clock;
+    std::shared_ptr<const TerrainGrid> terrain;  ///< nullptr: open sea of unlimited depth
+    std::map<BoxId, std::shared_ptr<const WorldBox>> boxes;
+    uint32_t next_box = 1;
+    uint32_t next_train = 1;
+    uint32_t next_field = 1;
+    Sea sea;  ///< over all boxes
+};
+
+}  // namespace trochoid

@@ -1,0 +1,45 @@
+#include "server/world/integer_math.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace trochoid {
+namespace {
+
+constexpr long double pi_l = 3.14159265358979323846264338327950288L;
+
+TEST(IntegerMath, AgreesWithLongDoubleToTheLastBitsOfADouble) {
+    for (double x : {1e-9, 0.003, 0.25, 0.5, 0.999, 1.0, 1.001, 2.0, 10.0, 12345.678, 1e12}) {
+        const auto log = static_cast<double>(std::log(static_cast<long double>(x)));
+        const auto root = static_cast<double>(std::cbrt(static_cast<long double>(x)));
+        EXPECT_NEAR(natural_log(x), log, 1e-15 * std::abs(log)) << x;
+        EXPECT_NEAR(cube_root(x), root, 1e-15 * root) << x;
+    }
+    for (double x = -2.0; x <= 2.0; x += 0.0625)
+        EXPECT_NEAR(sine_of_half_turns(x), static_cast<double>(std::sin(pi_l * static_cast<long double>(x))),
+                    1e-16)
+            << x;
+}
+
+TEST(IntegerMath, HeadingsTurnClockwiseFromNorth) {
+    const auto expect = [](double degrees, double east, double south) {
+        const HeadingVector v = heading_vector(degrees);
+        EXPECT_NEAR(v.east, east, 1e-16) << degrees;
+        EXPECT_NEAR(v.south, south, 1e-16) << degrees;
+    };
+    expect(0.0, 0.0, -1.0);
+    expect(90.0, 1.0, 0.0);
+    expect(180.0, 0.0, 1.0);
+    expect(270.0, -1.0, 0.0);
+    expect(360.0, 0.0, -1.0);
+    expect(-90.0, -1.0, 0.0);
+    expect(45.0, std::sqrt(0.5), -std::sqrt(0.5));
+    for (double degrees = -400.0; degrees < 400.0; degrees += 7.3) {
+        const HeadingVector v = heading_vector(degrees);
+        EXPECT_NEAR(v.east * v.east + v.south * v.south, 1.0, 3e-16) << degrees;
+    }
+}
+
+}  // namespace
+}  // namespace trochoid
