@@ -1,0 +1,47 @@
+#include "client/sample/water_sampler.hpp"
+
+#include <algorithm>
+
+namespace trochoid {
+
+bool contains(const SyncRegion& region, LatticePoint place) {
+    const int64_t dx = place.x - region.centre.x;
+    const int64_t dz = place.z - region.centre.z;
+    const int64_t r = region.radius;
+    // Bounds first, so the squares stay far below 2^63.
+    if (dx > r || dx < -r || dz > r || dz < -r) return false;
+    return dx * dx + dz * dz <= r * r;
+}
+
+WaterSampler::WaterSampler(std::shared_ptr<const StoreSnapshot> snapshot, SeaTime t)
+    : snapshot_(std::move(snapshot)), instant_(snapshot_->sea, t) {}
+
+const PatchDescriptor* WaterSampler::patch_at(LatticePoint place) const {
+    for (uint8_t level = finest_patch_level; level <= coarsest_patch_level; ++level) {
+        const auto found = snapshot_->interest->patches.find(trochoid::patch_at(place, level));
+        if (found != snapshot_->interest->patches.end()) return &found->second;
+    }
+    return nullptr;
+}
+
+Trust WaterSampler::trust(LatticePoint place) const {
+    const SeaTime t = instant_.time();
+    const auto& regions = snapshot_->regions;
+    const bool kept = t >= snapshot_->key.from - sync_history_us;
+    if (kept && std::any_of(regions.begin(), regions.end(), [&](const SyncRegion& r) { return contains(r, place); }))
+        return Trust::exact;
+    // A patch's bound speaks of its key's span of time only.
+    const bool in_span = t >= snapshot_->key.from && t < snapshot_->key.until;
+    return in_span && patch_at(place) != nullptr ? Trust::bounded : Trust::unknown;
+}
+
+WaterAnswer WaterSampler::water(LatticePoint place) const {
+    WaterAnswer answer;
+    answer.water = water_at(instant_, place);
+    answer.trust = trust(place);
+    answer.confirmed = instant_.time() <= snapshot_->watermark;
+    if (answer.trust == Trust::bounded) answer.height_error = patch_at(place)->height_error;
+    return answer;
+}
+
+}  // namespace trochoid

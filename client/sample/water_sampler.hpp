@@ -1,0 +1,45 @@
+#pragma once
+#include <memory>
+#include <optional>
+
+#include "client/store/client_store.hpp"
+#include "protocol/model/point_query.hpp"
+
+namespace trochoid {
+
+/// How far an answer can be trusted.
+enum class Trust : uint8_t {
+    exact,    ///< inside a sync region, not long past: the authoritative sea, bit for bit
+    bounded,  ///< inside a delivered patch: off by at most `height_error`
+    unknown,  ///< outside everything that the server has told us of
+};
+
+struct WaterAnswer {
+    WaterPoint water;
+    Trust trust = Trust::unknown;
+    bool confirmed = false;     ///< the time lies before the watermark: no event can change it any more
+    float height_error = 0.0F;  ///< m; 0 where exact, the patch's H where bounded
+    bool operator==(const WaterAnswer&) const = default;
+};
+
+/// Reads one snapshot at one sea time; many points share the work per time.
+class WaterSampler {
+public:
+    WaterSampler(std::shared_ptr<const StoreSnapshot> snapshot, SeaTime t);
+    /// The water at a fixed horizontal place.
+    WaterAnswer water(LatticePoint place) const;
+    /// The surface's own sample at a rest point.
+    SurfaceSample surface(LatticePoint rest) const { return instant_.evaluate(rest); }
+    /// Of what is told of this place. In a sync region it holds for events up to now: `confirmed` says whether one may come.
+    Trust trust(LatticePoint place) const;
+
+private:
+    const PatchDescriptor* patch_at(LatticePoint place) const;
+    std::shared_ptr<const StoreSnapshot> snapshot_;
+    SeaInstant instant_;
+};
+
+/// True where the place lies in the disc (closed).
+bool contains(const SyncRegion& region, LatticePoint place);
+
+}  // namespace trochoid

@@ -1,0 +1,225 @@
+#include "client/store/client_store.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace trochoid {
+
+namespace {
+
+Error out_of_range(std::string sentence) { return {ErrorCode::value_out_of_range, std::move(sentence)}; }
+
+/// Land fields of an interest state; fields that were not touched keep their object. An error where the blocks of a field
+/// differ in their lattice step or lie too far apart to be looked up.
+Result<std::map<FieldId, std::shared_ptr<const LandField>>> fields_of(
+    const InterestState& state, const std::set<FieldId>& touched,
+    const std::map<FieldId, std::shared_ptr<const LandField>>& old) {
+    std::map<FieldId, std::shared_ptr<LandField>> fresh;
+    std::map<FieldId, std::shared_ptr<const LandField>> all;
+    for (const auto& [key, value] : state.blocks) {
+        const auto kept = old.find(key.field);
+        if (kept != old.end() && !touched.contains(key.field)) {
+            all.emplace(key.field, kept->second);
+            continue;
+        }
+        auto& field = fresh[key.field];
+        if (!field) field = std::make_shared<LandField>(key.field, value.step_log2);
+        if (field->step_log2() != value.step_log2)
+            return out_of_range(fmt::format("land field {} has two lattice steps", key.field.value));
+        if (!field->fits(key.block))
+            return out_of_range(fmt::format("land field {} spreads its blocks too far", key.field.value));
+        field->set(value.block);
+    }
+    for (auto& [id, field] : fresh) all[id] = std::move(field);
+    return all;
+}
+
+/// The grid that a hello's terrain names, without its heights: what tile keys are checked against.
+TerrainGrid outline_of(const TerrainInfo& info) {
+    TerrainGrid grid;
+    grid.origin_x = info.origin_x;
+    grid.origin_z = info.origin_z;
+    grid.spacing_log2 = info.spacing_log2;
+    grid.columns = info.columns;
+    grid.rows = info.rows;
+    grid.height_step_log2 = info.height_step_log2;
+    return grid;
+}
+
+bool belongs_to(const TerrainTile& tile, const TerrainGrid& grid) {
+    if (tile.key.level >= tile_levels(grid) || tile.key.x < 0 || tile.key.z < 0) return false;
+    const int64_t cells = int64_t{terrain_tile_cells} << tile.key.level;
+    return tile.key.x * cells < int64_t{grid.columns} - 1 && tile.key.z * cells < int64_t{grid.rows} - 1 &&
+           tile.spacing_log2 == grid.spacing_log2 + tile.key.level && tile.height_step_log2 == grid.height_step_log2 &&
+           tile.origin_x == grid.origin_x + ((tile.key.x * cells) << grid.spacing_log2) &&
+           tile.origin_z == grid.origin_z + ((tile.key.z * cells) << grid.spacing_log2);
+}
+
+}  // namespace
+
+void ClientStore::begin(const ServerHello& hello) {
+    const bool same_world = hello_ && hello_->instance == hello.instance;
+    hello_ = hello;
+    // A session starts from nothing, so no delta can build on what an earlier one has left.
+    applied_ = begun_ = base_ = 0;
+    next_piece_ = 0;
+    course_ = Course::apply;
+    resync_asked_ = false;
+    auto next = std::make_shared<StoreSnapshot>();
+    if (same_world) *next = *snapshot_;
+    next->result = 0;
+    next->terrain = hello.terrain;
+    snapshot_ = std::move(next);
+}
+
+/// Results come by ascending number without gaps, each in pieces 0, 1, … on one base. Only a snapshot that follows our wish
+/// for one may cut a result short.
+Result<Done> ClientStore::take_turn(const Delta& piece) {
+    const bool whole = next_piece_ == 0;
+    const bool starts_anew = piece.piece == 0 && piece.result == begun_ + 1 && (whole || (resync_asked_ && piece.base == 0));
+    const bool goes_on = !whole && piece.result == begun_ && piece.piece == next_piece_ && piece.base == base_;
+    if (!starts_anew && !goes_on)
+        return Error{ErrorCode::sequence_not_monotone,
+                     fmt::format("piece {} of result {} on {} came where {} was due", piece.piece, piece.result, piece.base,
+                                 whole ? fmt::format("piece 0 of result {}", begun_ + 1)
+                                       : fmt::format("piece {} of result {} on {}", next_piece_, begun_, base_))};
+    begun_ = piece.result;
+    base_ = piece.base;
+    next_piece_ = piece.last ? 0 : static_cast<uint16_t>(piece.piece + 1);
+    return Done{};
+}
+
+/// Decides from its first piece what becomes of a result.
+bool ClientStore::builds_on_ours(const Delta& first_piece) {
+    touched_boxes_.clear();
+    touched_fields_.clear();
+    if (first_piece.base == 0) {
+        state_ = {};
+        fields_.clear();
+        prepared_.clear();
+        applied_ = 0;
+        resync_asked_ = false;
+        return true;
+    }
+    return !resync_asked_ && first_piece.base == applied_ && first_piece.base_hash == state_hash_;
+}
+
+std::optional<Ack> ClientStore::ask_resync(uint32_t result) {
+    ++counters_.resyncs;
+    resync_asked_ = true;
+    applied_ = 0;
+    return Ack{result, 0, 0, {}};
+}
+
+Result<std::optional<Ack>> ClientStore::apply(const Delta& delta) {
+    if (!hello_) return Error{ErrorCode::unexpected_message, "a delta came before the server hello"};
+    if (auto turn = take_turn(delta); !turn) return turn.error();
+    ++counters_.pieces;
+    if (delta.piece == 0)
+        course_ = builds_on_ours(delta) ? Course::apply : (resync_asked_ ? Course::pass_by : Course::ask_resync);
+    if (course_ != Course::apply) {
+        ++counters_.passed_by;
+        // A result is answered when it is whole: the server does not expect an ack before.
+        if (delta.last && course_ == Course::ask_resync) return ask_resync(delta.result);
+        return std::optional<Ack>{};
+    }
+    for (const auto& box : delta.change.boxes) touched_boxes_.insert(box->id);
+    for (const FieldBlock& block : delta.change.blocks) touched_fields_.insert(block.field);
+    for (const FieldBlockKey& block : delta.change.removed_blocks) touched_fields_.insert(block.field);
+    trochoid::apply(state_, delta.change);
+    if (!delta.last) return std::optional<Ack>{};
+    state_hash_ = hash_of(state_);
+    if (state_hash_ != delta.state_hash) return ask_resync(delta.result);
+    if (auto done = finish_result(delta); !done) return done.error();
+    return std::optional<Ack>(Ack{delta.result, state_hash_, 0, {}});
+}
+
+Result<Done> ClientStore::finish_result(const Delta& last_piece) {
+    if (state_.boxes.size() > hello_->limits.boxes)
+        return Error{ErrorCode::too_many_boxes, fmt::format("{} boxes, more than the server's own limit of {}",
+                                                            state_.boxes.size(), hello_->limits.boxes)};
+    if (state_.patches.size() > hello_->limits.patches)
+        return out_of_range(fmt::format("{} patches, more than the server's own limit of {}", state_.patches.size(),
+                                        hello_->limits.patches));
+    auto fields = fields_of(state_, touched_fields_, fields_);
+    if (!fields) return fields.error();
+    applied_ = last_piece.result;
+    ++counters_.results;
+    count_late_events(last_piece.key);
+
+    auto next = std::make_shared<StoreSnapshot>(*snapshot_);
+    prepared_ = prepare_boxes(*fields);
+    fields_ = std::move(*fields);
+    std::vector<std::shared_ptr<const PreparedBox>> boxes;
+    boxes.reserve(prepared_.size());
+    for (const auto& [id, box] : prepared_) boxes.push_back(box);
+    next->result = applied_;
+    if (hash_of(*next->interest) != state_hash_) next->interest = std::make_shared<InterestState>(state_);
+    next->sea = Sea(std::move(boxes));
+    next->regions = last_piece.key.regions;
+    next->key = last_piece.key;
+    next->log_position = last_piece.key.log_position;
+    next->watermark = std::max(next->watermark, last_piece.watermark);
+    snapshot_ = std::move(next);
+    return Done{};
+}
+
+/// Boxes whose record and fields were not touched keep their object.
+ClientStore::PreparedBoxes ClientStore::prepare_boxes(const Fields& fields) const {
+    std::vector<std::shared_ptr<const LandField>> all;
+    all.reserve(fields.size());
+    for (const auto& [id, field] : fields) all.push_back(field);
+    PreparedBoxes prepared;
+    for (const auto& [id, record] : state_.boxes) {
+        const auto old = prepared_.find(id);
+        const bool kept = old != prepared_.end() && !touched_boxes_.contains(id) &&
+                          std::none_of(record->trains.begin(), record->trains.end(),
+                                       [&](const WaveTrain& train) { return touched_fields_.contains(train.field); });
+        prepared[id] = kept ? old->second : prepare(*record, all);
+    }
+    return prepared;
+}
+
+/// Only results that differ from the last one by events alone can tell: another view brings boxes too.
+void ClientStore::count_late_events(const CullKey& key) {
+    const StoreSnapshot& before = *snapshot_;
+    if (before.result == 0 || key.log_position == before.log_position) return;
+    if (key.anchor != before.key.anchor || key.regions != before.key.regions) return;
+    for (const BoxId id : touched_boxes_) {
+        const auto now = state_.boxes.find(id);
+        if (now == state_.boxes.end()) continue;
+        const auto old = before.interest->boxes.find(id);
+        const SeaTime changes = old == before.interest->boxes.end() ? now->second->begin : std::min(now->second->end, old->second->end);
+        if (changes < before.watermark) ++counters_.late_events;
+    }
+}
+
+Result<Done> ClientStore::apply(const TerrainTiles& message) {
+    if (!hello_ || hello_->terrain.columns == 0)
+        return Error{ErrorCode::unexpected_message, "a terrain tile came though the hello names no terrain"};
+    const TerrainGrid grid = outline_of(hello_->terrain);
+    auto tiles = std::make_shared<TerrainTileMap>(*snapshot_->tiles);
+    for (const TerrainTile& tile : message.tiles) {
+        if (!belongs_to(tile, grid))
+            return out_of_range(fmt::format("terrain tile {} {} {} is none of the terrain that the hello names", tile.key.level,
+                                            tile.key.x, tile.key.z));
+        (*tiles)[tile.key] = std::make_shared<TerrainTile>(tile);
+        ++counters_.tiles;
+    }
+    auto next = std::make_shared<StoreSnapshot>(*snapshot_);
+    next->tiles = std::move(tiles);
+    snapshot_ = std::move(next);
+    return Done{};
+}
+
+void ClientStore::confirm(SeaTime watermark, LogPosition position) {
+    if (watermark <= snapshot_->watermark) return;
+    // Confirmed only as far as what we hold reflects the log: a reply may outrun the result that it speaks of.
+    if (snapshot_->result == 0 || position > snapshot_->log_position) return;
+    auto next = std::make_shared<StoreSnapshot>(*snapshot_);
+    next->watermark = watermark;
+    snapshot_ = std::move(next);
+}
+
+}  // namespace trochoid

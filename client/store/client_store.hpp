@@ -1,0 +1,100 @@
+#pragma once
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <optional>
+#include <set>
+#include <vector>
+
+#include "protocol/codec/messages.hpp"
+#include "protocol/model/interest_state.hpp"
+#include "protocol/model/sea.hpp"
+
+namespace trochoid {
+
+/// Order of terrain tiles in a snapshot: coarse before fine.
+struct TerrainTileOrder {
+    bool operator()(const TerrainTileKey& a, const TerrainTileKey& b) const {
+        if (a.level != b.level) return a.level > b.level;
+        return a.z != b.z ? a.z < b.z : a.x < b.x;
+    }
+};
+using TerrainTileMap = std::map<TerrainTileKey, std::shared_ptr<const TerrainTile>, TerrainTileOrder>;
+
+/// What the client knows after some result: immutable, shared between threads by pointer. Parts that did not change from
+/// one snapshot to the next keep their pointer. No pointer is null.
+struct StoreSnapshot {
+    uint32_t result = 0;  ///< number of the result applied last in this session, 0 = none yet
+    /// Boxes, land blocks and patches as told.
+    std::shared_ptr<const InterestState> interest = std::make_shared<InterestState>();
+    Sea sea;                          ///< the same boxes, prepared for evaluation
+    std::vector<SyncRegion> regions;  ///< discs in which `sea` is the whole authoritative sea
+    TerrainInfo terrain;
+    std::shared_ptr<const TerrainTileMap> tiles = std::make_shared<TerrainTileMap>();
+    CullKey key;  ///< what the result was culled for
+    LogPosition log_position;
+    SeaTime watermark{-sea_time_bound};  ///< samples up to here are confirmed, beyond expected
+};
+
+/// Counters that an overlay shows; nothing is dropped silently.
+struct StoreCounters {
+    uint64_t results = 0;
+    uint64_t pieces = 0;
+    uint64_t passed_by = 0;  ///< pieces not applied because a resync had been asked for
+    uint64_t resyncs = 0;    ///< results that did not fit or hashed differently: asked again from nothing
+    uint64_t tiles = 0;
+    uint64_t late_events = 0;  ///< boxes that an event changed before the watermark in force
+    bool operator==(const StoreCounters&) const = default;
+};
+
+/// Applies the server's messages. One thread owns it. After an error (the server broke the standard) the session has to
+/// end; the last snapshot stays good.
+class ClientStore {
+public:
+    /// A new session. Everything is dropped when the world instance has changed, and kept (until the first snapshot
+    /// replaces it) when it is the same.
+    void begin(const ServerHello& hello);
+    const std::optional<ServerHello>& hello() const { return hello_; }
+
+    /// Applies one piece. Gives the ack to send when a result is complete; an ack with hash 0 asks for a resync (the result
+    /// did not build on what we hold, or hashed differently): until the next snapshot results pass by.
+    Result<std::optional<Ack>> apply(const Delta& delta);
+    Result<Done> apply(const TerrainTiles& message);
+    /// The watermark of a clock reply, which holds for all events before `position`: it may only rise.
+    void confirm(SeaTime watermark, LogPosition position);
+
+    /// The newest snapshot; the same pointer until something changes.
+    std::shared_ptr<const StoreSnapshot> snapshot() const { return snapshot_; }
+    const StoreCounters& counters() const { return counters_; }
+
+private:
+    using Fields = std::map<FieldId, std::shared_ptr<const LandField>>;
+    using PreparedBoxes = std::map<BoxId, std::shared_ptr<const PreparedBox>>;
+
+    Result<Done> take_turn(const Delta& piece);
+    bool builds_on_ours(const Delta& first_piece);
+    std::optional<Ack> ask_resync(uint32_t result);
+    Result<Done> finish_result(const Delta& last_piece);
+    PreparedBoxes prepare_boxes(const Fields& fields) const;
+    void count_late_events(const CullKey& key);
+
+    std::optional<ServerHello> hello_;
+    InterestState state_;
+    uint64_t state_hash_ = 0;  // of state_ after the last whole result
+    Fields fields_;
+    PreparedBoxes prepared_;
+    uint32_t applied_ = 0;  // last result applied whole, 0 = state_ is nothing a delta can build on
+    // The result whose pieces come: its number, the next piece (0 = it is whole), what it builds on.
+    uint32_t begun_ = 0;
+    uint16_t next_piece_ = 0;
+    uint32_t base_ = 0;
+    enum class Course : uint8_t { apply, pass_by, ask_resync } course_ = Course::apply;
+    bool resync_asked_ = false;
+    // What it changes.
+    std::set<BoxId> touched_boxes_;
+    std::set<FieldId> touched_fields_;
+    std::shared_ptr<const StoreSnapshot> snapshot_ = std::make_shared<StoreSnapshot>();
+    StoreCounters counters_;
+};
+
+}  // namespace trochoid

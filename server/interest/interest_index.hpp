@@ -1,0 +1,71 @@
+#pragma once
+#include <memory>
+#include <vector>
+
+#include "protocol/model/interest_state.hpp"
+#include "server/interest/terrain_minima.hpp"
+#include "server/world/world_state.hpp"
+
+namespace trochoid {
+
+/// Largest values on one land block.
+struct BlockBounds {
+    double gain = 1.0;
+    double gain_slope = 0.0;   ///< 1/m
+    double shift_slope = 0.0;  ///< rad/m
+};
+
+/// Sums over some trains of a box, before any gain (A amplitude in m, chi choppiness, k rad/m).
+struct TrainSums {
+    double a = 0.0;   ///< sum of A, m
+    double h = 0.0;   ///< sum of chi A, m
+    double ka = 0.0;  ///< sum of k A
+    double kh = 0.0;  ///< sum of chi k A
+};
+
+/// A land field with a dense window for look-ups and its blocks ready to be handed on.
+struct IndexedField {
+    FieldId id;
+    uint8_t step_log2 = 16;
+    BlockKey first;
+    int64_t columns = 0;
+    int64_t rows = 0;
+    std::vector<int32_t> slots;  ///< index into blocks and bounds, -1 where none lies
+    std::vector<FieldBlock> blocks;
+    std::vector<BlockBounds> bounds;
+    TrainSums trains;        ///< of the box's trains that read this field
+    size_t first_train = 0;  ///< the first of them: a shorter prefix does not need the field
+};
+
+/// A box with what every cull asks of it, made once.
+struct IndexedBox {
+    std::shared_ptr<const PreparedBox> sea;
+    std::vector<IndexedField> fields;
+    /// [i]: the longest wavelength of trains i and beyond, m; falls.
+    std::vector<double> longest;
+    /// [i]: sums over the trains i and beyond; one entry more than trains, the last is 0.
+    std::vector<TrainSums> tail;
+    TrainSums open;           ///< of the trains without a field
+    double ramp_slope = 0.0;  ///< largest gradient of the envelope, 1/m
+    double gain_max = 1.0;    ///< largest land gain
+};
+
+/// What culls of one world share. An immutable value; holds all that it refers to.
+class InterestIndex {
+public:
+    /// Boxes and terrain that `previous` holds too (the same objects) are taken over, not made again.
+    explicit InterestIndex(const WorldState& world, const InterestIndex* previous = nullptr);
+
+    LogPosition log_position() const { return log_position_; }
+    /// Ascending id.
+    const std::vector<std::shared_ptr<const IndexedBox>>& boxes() const { return boxes_; }
+    /// nullptr over open sea.
+    const TerrainMinima* terrain() const { return terrain_.get(); }
+
+private:
+    LogPosition log_position_;
+    std::vector<std::shared_ptr<const IndexedBox>> boxes_;
+    std::shared_ptr<const TerrainMinima> terrain_;
+};
+
+}  // namespace trochoid

@@ -1,0 +1,44 @@
+#include "server/land/land_cache.hpp"
+
+#include <algorithm>
+
+#include "protocol/units/hash.hpp"
+#include "server/land/land_trace.hpp"
+
+namespace trochoid {
+
+uint64_t land_key(const WaveTrainBox& box, uint64_t terrain_hash, const LandSettings& s) {
+    Hash64 hash;
+    hash.u64(terrain_hash);
+    hash.i64(box.origin.x).i64(box.origin.z).i32(box.ux).i32(box.uz).i64(box.length).i64(box.width);
+    hash.u64(box.trains.size());
+    for (const WaveTrain& train : box.trains)
+        hash.i32(train.kx).i32(train.kz).f32(train.amplitude).f32(train.choppiness);
+    hash.u8(s.step_log2)
+        .u8(s.rows_per_node)
+        .u8(static_cast<uint8_t>(s.refraction))
+        .u8(static_cast<uint8_t>(s.shoaling));
+    for (const double v : {s.depth_min, s.breaking_ratio, s.recovery, s.spread, s.growth, s.phase_shift_turns,
+                           s.steepness_max, s.turn_limit, s.crest_spread, s.run_out, s.waves_per_node_max})
+        hash.f64(v);
+    return hash.u32(s.nodes_max).value();
+}
+
+TracedLand LandCache::trace(const WaveTrainBox& box, const TerrainGrid& terrain, uint64_t terrain_hash,
+                            FieldId first_field, const LandSettings& settings) {
+    const uint64_t key = land_key(box, terrain_hash, settings);
+    const auto known =
+        std::find_if(entries_.begin(), entries_.end(), [key](const Entry& e) { return e.key == key; });
+    if (known != entries_.end()) {
+        ++hits_;
+        entries_.splice(entries_.begin(), entries_, known);
+        return renumbered(known->land, first_field);
+    }
+    ++misses_;
+    TracedLand land = trace_land(box, terrain, first_field, settings);
+    entries_.push_front({key, land});
+    if (entries_.size() > capacity_) entries_.pop_back();
+    return land;
+}
+
+}  // namespace trochoid

@@ -1,0 +1,43 @@
+#pragma once
+#include <cstddef>
+#include <cstdint>
+#include <list>
+
+#include "protocol/model/terrain.hpp"
+#include "protocol/model/wave_train_box.hpp"
+#include "server/land/land_settings.hpp"
+#include "server/world/traced_land.hpp"
+
+namespace trochoid {
+
+/// Names all that a trace depends on: the box's geometry, its trains' wave vectors, amplitudes and choppiness, the terrain (its
+/// terrain_hash) and the settings but for the threads. Times, phases and ids do not matter.
+uint64_t land_key(const WaveTrainBox& box, uint64_t terrain_hash, const LandSettings& settings);
+
+/// Remembers the latest traces of a process, so that a scene that starts again or a box that comes back is not traced anew.
+/// One owner, one thread.
+class LandCache {
+public:
+    explicit LandCache(size_t capacity = 16) : capacity_(capacity) {}
+    LandCache(const LandCache&) = delete;
+    LandCache& operator=(const LandCache&) = delete;
+
+    /// Like trace_land. terrain_hash must be the terrain's.
+    TracedLand trace(const WaveTrainBox& box, const TerrainGrid& terrain, uint64_t terrain_hash,
+                     FieldId first_field, const LandSettings& settings);
+    uint64_t hits() const { return hits_; }
+    uint64_t misses() const { return misses_; }
+
+private:
+    struct Entry {
+        uint64_t key;
+        TracedLand land;
+    };
+    size_t capacity_;
+    /// Latest use first.
+    std::list<Entry> entries_;
+    uint64_t hits_ = 0;
+    uint64_t misses_ = 0;
+};
+
+}  // namespace trochoid

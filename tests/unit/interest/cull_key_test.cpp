@@ -1,0 +1,143 @@
+#include "server/interest/cull_key.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "server/interest/cull.hpp"
+#include "tests/unit/interest/sample_world.hpp"
+
+namespace trochoid {
+namespace {
+
+constexpr SeaTime now{1'000'000'000};
+
+ViewState moved(ViewState v, double metres) {
+    v.position.x += to_lattice(metres);
+    return v;
+}
+
+struct Keys {
+    WorldState world = eight_box_world(60);
+    InterestIndex index{world};
+    ViewState view = looking({0, 0}, 20.0, 0.5, -0.1);
+    CullKey first = choose_key(index, view, {}, nullptr, now);
+};
+
+TEST(CullKey, FirstKeyIsTheViewWithStatedSlackAndSpan) {
+    const Keys k;
+    EXPECT_EQ(k.first.anchor, k.view);
+    EXPECT_EQ(k.first.slack, static_cast<uint32_t>(to_lattice(8.0)));
+    EXPECT_LE(k.first.from, now);
+    EXPECT_EQ(k.first.until, now + span_default_us);
+    EXPECT_EQ(k.first.error_in_force_px, 1.0F);
+    ViewState high = looking({0, 0}, 400.0, 0.5, -0.1);
+    EXPECT_EQ(choose_key(k.index, high, {}, nullptr, now).slack, static_cast<uint32_t>(to_lattice(40.0)));
+    ViewState telescope = k.view;
+    telescope.tan_half_width = telescope.tan_half_height = 0.02F;
+    EXPECT_EQ(choose_key(k.index, telescope, {}, nullptr, now).slack_tangent, 0.005F);
+    EXPECT_EQ(k.first.slack_tangent, 0.15F);
+    high.vx = 300.0F;
+    EXPECT_EQ(choose_key(k.index, high, {}, nullptr, now).slack, static_cast<uint32_t>(to_lattice(150.0)));
+}
+
+TEST(CullKey, StaysWhileTheCameraStaysInsideTheAnchor) {
+    const Keys k;
+    EXPECT_EQ(choose_key(k.index, moved(k.view, 5.0), {}, &k.first, now + 20'000'000), k.first);
+    const ViewState turned = looking({0, 0}, 20.0, 0.5 + 0.1, -0.1);
+    EXPECT_EQ(choose_key(k.index, turned, {}, &k.first, now), k.first);
+    ViewState negated = k.view;  // the same turn
+    negated.qx = -negated.qx, negated.qy = -negated.qy, negated.qz = -negated.qz, negated.qw = -negated.qw;
+    EXPECT_EQ(choose_key(k.index, negated, {}, &k.first, now), k.first);
+}
+
+TEST(CullKey, MovesWithTheCameraBeforeTheSlackIsUsedUp) {
+    const Keys k;
+    EXPECT_EQ(choose_key(k.index, moved(k.view, 7.0), {}, &k.first, now).anchor, moved(k.view, 7.0));
+    const ViewState turned = looking({0, 0}, 20.0, 0.5 + 0.14, -0.1);
+    EXPECT_EQ(choose_key(k.index, turned, {}, &k.first, now).anchor, turned);
+    const ViewState up = looking({0, 0}, 27.0, 0.5, -0.1);
+    EXPECT_EQ(choose_key(k.index, up, {}, &k.first, now).anchor, up);
+    const ViewState back = looking({0, 0}, 20.0, 0.5 + 3.14159, -0.1);
+    EXPECT_FALSE(within_anchor(k.first, back, 1.0));
+    ViewState lens = k.view;
+    lens.tan_half_width = 0.5F;
+    EXPECT_EQ(choose_key(k.index, lens, {}, &k.first, now).anchor, lens);
+}
+
+TEST(CullKey, RegionsAndLogPositionAreTakenOverInPlace) {
+    Keys k;
+    const std::vector<SyncRegion> regions{{{5, 6}, 700}};
+    CullKey expected = k.first;
+    expected.regions = regions;
+    EXPECT_EQ(choose_key(k.index, k.view, regions, &k.first, now), expected);
+    k.world.log_position = {17};
+    expected.log_position = {17};
+    EXPECT_EQ(choose_key(InterestIndex(k.world, &k.index), k.view, regions, &k.first, now), expected);
+}
+
+TEST(CullKey, SpanIsRenewedBeforeItRunsOutAndGrownBoxesMakeNoDelta) {
+    const Keys k;
+    const SeaTime late = now + span_default_us * 4 / 5;
+    const CullKey next = choose_key(k.index, k.view, {}, &k.first, late);
+    EXPECT_EQ(next.until, late + span_default_us);
+    EXPECT_EQ(next.anchor, k.first.anchor);
+    SampleBox grown;
+    const InterestIndex index(sample_world({grown}, 8));
+    EXPECT_TRUE(difference(cull(index, k.first).state, cull(index, next).state).empty());
+    // Jumping back in sea time renews too.
+    EXPECT_EQ(choose_key(k.index, k.view, {}, &k.first, now - 600'000'000).until,
+              now - 600'000'000 + span_default_us);
+}
+
+TEST(CullKey, BudgetRaisesTheErrorInForceInsteadOfDroppingPatches) {
+    const Keys k;
+    for (const uint32_t budget : {512U, 256U, 180U}) {
+        ViewState view = k.view;
+        view.viewport_width = 3840;
+        view.viewport_height = 2160;
+        view.patch_budget = budget;
+        const CullKey key = choose_key(k.index, view, {}, nullptr, now);
+        const CullResult r = cull(k.index, key);
+        EXPECT_GT(key.error_in_force_px, 1.5F);
+        EXPECT_EQ(r.report.over_limit, 0U);
+        EXPECT_LE(r.report.delivered, budget);
+        EXPECT_GE(r.report.delivered, budget / 3);
+    }
+}
+
+TEST(CullKey, ErrorInForceFallsStepByStepOnceThereIsRoom) {
+    const Keys k;
+    CullKey key = k.first;
+    key.error_in_force_px = 3.0F;
+    ViewState view = k.view;
+    int steps = 0;
+    while (key.error_in_force_px > 1.0F && steps < 30) {
+        view = moved(view, 9.0);
+        const CullKey next = choose_key(k.index, view, {}, &key, now);
+        EXPECT_LE(key.error_in_force_px / next.error_in_force_px, error_step * 1.0001F);
+        key = next;
+        ++steps;
+    }
+    EXPECT_EQ(key.error_in_force_px, 1.0F);
+    EXPECT_GT(steps, 5);
+}
+
+TEST(CullKey, HostileDemandsEndSoon) {
+    const Keys k;
+    ViewState view = k.view;
+    view.viewport_width = view.viewport_height = 16384;
+    view.tan_half_width = view.tan_half_height = 0.01F;
+    view.accepted_error_px = 0.1F;
+    view.patch_budget = 1;
+    const CullKey narrow = choose_key(k.index, view, {}, nullptr, now);
+    EXPECT_LE(cull(k.index, narrow).report.delivered, 1U);
+    view.tan_half_width = view.tan_half_height = 20.0F;
+    const CullKey wide = choose_key(k.index, view, {}, nullptr, now);
+    const CullResult r = cull(k.index, wide);
+    EXPECT_EQ(r.report.delivered, 1U);
+    EXPECT_GT(r.report.over_limit, 0U) << "dropped and said so";
+}
+
+}  // namespace
+}  // namespace trochoid
