@@ -1,0 +1,117 @@
+#include "server/app/sea_service.hpp"
+
+#include <fmt/format.h>
+
+#include <utility>
+
+#include "protocol/wire/session_rules.hpp"
+#include "server/interest/cull.hpp"
+#include "server/interest/cull_key.hpp"
+#include "server/interest/patch_priority.hpp"
+#include "server/net/monotonic.hpp"
+
+namespace trochoid {
+
+SeaService::SeaService(SeaAuthority& authority, WorldInstance instance, DirectorToken token)
+    : authority_(authority),
+      instance_(instance),
+      token_(std::move(token)),
+      terrain_(authority.state()->terrain) {}
+
+HelloFacts SeaService::hello_facts() const {
+    const WorldState& world = *authority_.state();
+    HelloFacts facts;
+    facts.world = world.name;
+    facts.instance = instance_;
+    facts.log_position = world.log_position;
+    facts.clock = world.clock;
+    if (const TerrainGrid* grid = world.terrain.get()) {
+        facts.projection = grid->projection;
+        facts.origin_lon = grid->origin_lon;
+        facts.origin_lat = grid->origin_lat;
+        facts.terrain = {grid->origin_x, grid->origin_z,         grid->spacing_log2,  grid->columns,
+                         grid->rows,     grid->height_step_log2, grid->open_sea_depth};
+    }
+    return facts;
+}
+
+ClockFacts SeaService::clock_facts() const {
+    const WorldState& world = *authority_.state();
+    return {world.clock, authority_.watermark(), world.log_position, world.log_hash};
+}
+
+// When three quarters of the key's span have passed on the sea's clock; a paused sea never gets there.
+int64_t SeaService::refresh_at_us(const CullKey& key) const {
+    const SeaClock& clock = authority_.state()->clock;
+    if (clock.rate_q16 == 0) return INT64_MAX;
+    const int64_t sea_us = key.until - authority_.now() - span_default_us / 4;
+    return monotonic_us() +
+           std::max<int64_t>(sea_us, 0) / std::max<int64_t>(clock.rate_q16, 1) * (int64_t{1} << 16) + 1000;
+}
+
+std::optional<MadeResult> SeaService::make_result(const ResultRequest& request) {
+    const InterestIndex& index = *authority_.index();
+    CullKey key = choose_key(index, request.view, request.regions, request.previous, authority_.now());
+    if (request.previous != nullptr && *request.previous == key) return std::nullopt;
+    MadeResult made;
+    made.state = std::make_shared<const InterestState>(cull(index, key).state);
+    made.key = std::move(key);
+    made.watermark = authority_.watermark();
+    made.refresh_at_us = refresh_at_us(made.key);
+    return made;
+}
+
+InterestDelta SeaService::change(const InterestState& base, const InterestState& target,
+                                 const CullKey& key) const {
+    InterestDelta delta = difference(base, target);
+    sort_by_priority(delta.patches, key.anchor);
+    return delta;
+}
+
+void SeaService::command(const Command& command, Role role, std::function<void(CommandReply)> reply) {
+    const Result<Done> allowed = permitted(role, command);
+    if (allowed) return authority_.command(command, std::move(reply));
+    CommandReply refused;
+    refused.sequence = command.sequence;
+    refused.code = allowed.error().code;
+    refused.message =
+        token_.exists()
+            ? "changing the sea needs the director's token: give the client the file that this server was started with "
+              "(--director-token-file)"
+            : "nobody may change this sea: start the server with --director-token-file FILE, and give the client that file";
+    reply(refused);
+}
+
+BoxList SeaService::list_boxes() const {
+    BoxList list;
+    list.now = authority_.now();
+    list.boxes = summaries(*authority_.state(), list.now);
+    return list;
+}
+
+Result<SampleReply> SeaService::sample(const SampleRequest& request) const {
+    const WorldState& world = *authority_.state();
+    SampleReply reply;
+    reply.sequence = request.sequence;
+    reply.time = request.time;
+    reply.log_position = world.log_position;
+    const SeaInstant instant(world.sea, request.time);
+    reply.samples.reserve(request.points.size());
+    for (const LatticePoint& point : request.points) reply.samples.push_back(instant.evaluate(point));
+    return reply;
+}
+
+Result<RaysReply> SeaService::rays(const RaysRequest& request) const {
+    const WorldState& world = *authority_.state();
+    const auto box = world.boxes.find(request.box);
+    if (box == world.boxes.end())
+        return Error{ErrorCode::unknown_box,
+                     fmt::format("there is no box {}: list them first", request.box.value)};
+    RaysReply reply;
+    reply.sequence = request.sequence;
+    reply.box = request.box;
+    reply.rays = box->second->rays;
+    return reply;
+}
+
+}  // namespace trochoid

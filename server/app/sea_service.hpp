@@ -1,0 +1,41 @@
+#pragma once
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "server/app/director_token.hpp"
+#include "server/app/sea_authority.hpp"
+#include "server/app/terrain_choice.hpp"
+#include "server/net/sea_provider.hpp"
+
+namespace trochoid {
+
+/// What sessions ask of the sea, answered from the authority's published state. On the io thread.
+class SeaService final : public SeaProvider {
+public:
+    SeaService(SeaAuthority& authority, WorldInstance instance, DirectorToken token);
+
+    HelloFacts hello_facts() const override;
+    ClockFacts clock_facts() const override;
+    Result<Role> role_for(const std::string& token) const override { return token_.role_for(token); }
+    std::optional<MadeResult> make_result(const ResultRequest& request) override;
+    InterestDelta change(const InterestState& base, const InterestState& target,
+                         const CullKey& key) const override;
+    std::vector<TerrainTileKey> tiles_for(const ViewState& view) override { return terrain_.tiles_for(view); }
+    TerrainTile tile(TerrainTileKey key) override { return terrain_.tile(key); }
+    void command(const Command& command, Role role, std::function<void(CommandReply)> reply) override;
+    BoxList list_boxes() const override;
+    Result<SampleReply> sample(const SampleRequest& request) const override;
+    Result<RaysReply> rays(const RaysRequest& request) const override;
+
+private:
+    int64_t refresh_at_us(const CullKey& key) const;
+
+    SeaAuthority& authority_;
+    WorldInstance instance_;
+    DirectorToken token_;
+    TerrainChoice terrain_;
+};
+
+}  // namespace trochoid

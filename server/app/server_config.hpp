@@ -1,0 +1,36 @@
+#pragma once
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "protocol/codec/messages.hpp"
+
+namespace trochoid {
+
+/// All that the operator decides; validated at start, and logged as it is in force.
+struct ServerConfig {
+    std::filesystem::path scene;  ///< scene file (server/event/scene-reference.md); required
+    uint16_t port = 7421;         ///< TCP; 0: one that is free
+    std::vector<std::string> bind{"127.0.0.1", "::1"};  ///< loopback addresses
+    std::filesystem::path
+        port_file;  ///< the port in use is written here once connections are taken; empty: nowhere
+    std::filesystem::path token_file;  ///< the director's token; empty: nobody may change the sea
+    std::string log_level = "info";    ///< trace, debug, info, warn, error, off
+    uint32_t lead_ms = 500;            ///< real time between a command's stamp and its effect, 0 to 10,000
+    bool paused = false;               ///< sea time stands still until a director sets a rate
+    bool operator==(const ServerConfig&) const = default;
+};
+
+/// The command line as a config; nullopt where --help or --version has been answered. Throws OperatorError for what it
+/// does not understand and for values out of range.
+std::optional<ServerConfig> parse_command_line(int argc, const char* const* argv);
+
+/// One line for the log, the effective values of everything.
+std::string text_of(const ServerConfig& config);
+
+/// The protocol's limits as this config sets them; stated in every hello.
+Limits limits_of(const ServerConfig& config);
+
+}  // namespace trochoid

@@ -1,0 +1,82 @@
+#pragma once
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "protocol/codec/messages.hpp"
+#include "protocol/units/result.hpp"
+
+namespace trochoid {
+
+/// What a server hello says about the world.
+struct HelloFacts {
+    std::string world;
+    WorldInstance instance;
+    LogPosition log_position;
+    SeaClock clock;
+    std::string projection;
+    double origin_lon = 0.0;
+    double origin_lat = 0.0;
+    TerrainInfo terrain;
+};
+
+/// What a clock reply says about the world.
+struct ClockFacts {
+    SeaClock clock;
+    SeaTime watermark;  ///< nothing more takes effect before it
+    LogPosition log_position;
+    uint64_t log_hash = 0;
+};
+
+/// What a session asks a result for.
+struct ResultRequest {
+    const ViewState& view;
+    const std::vector<SyncRegion>& regions;
+    const CullKey* previous = nullptr;  ///< key of the last result written; nullptr: the client holds nothing
+    int64_t round_trip_us = 0;          ///< from a result's last byte to its ack; 0: not known yet
+};
+
+struct MadeResult {
+    CullKey key;
+    std::shared_ptr<const InterestState> state;
+    SeaTime watermark;
+    /// Monotonic time (microseconds) at which the key's span of sea time has to be replaced; INT64_MAX: never.
+    int64_t refresh_at_us = INT64_MAX;
+};
+
+/// All that sessions need of the world; server/app implements it, tests fake it. Every call happens on the io thread and
+/// returns within a few milliseconds; what takes longer answers through a callback, on the io thread too.
+class SeaProvider {
+public:
+    SeaProvider() = default;
+    SeaProvider(const SeaProvider&) = delete;
+    SeaProvider& operator=(const SeaProvider&) = delete;
+    virtual ~SeaProvider() = default;
+
+    virtual HelloFacts hello_facts() const = 0;
+    virtual ClockFacts clock_facts() const = 0;
+    /// The role that a hello's token gives, or why none. An empty token is a viewer's.
+    virtual Result<Role> role_for(const std::string& token) const = 0;
+
+    /// nullopt: the previous result still holds. Never nullopt without a previous one.
+    virtual std::optional<MadeResult> make_result(const ResultRequest& request) = 0;
+    /// What leads from one state to another, the patches in the order of priority under the key.
+    virtual InterestDelta change(const InterestState& base, const InterestState& target,
+                                 const CullKey& key) const = 0;
+
+    /// Terrain that the view calls for, what it needs most first, coarse before fine.
+    virtual std::vector<TerrainTileKey> tiles_for(const ViewState& view) = 0;
+    virtual TerrainTile tile(TerrainTileKey key) = 0;
+
+    /// Everything but ListBoxes. The callback comes once, maybe much later (land has to be traced), maybe before this
+    /// returns; the reply's sequence is the command's.
+    virtual void command(const Command& command, Role role, std::function<void(CommandReply)> reply) = 0;
+    virtual BoxList list_boxes() const = 0;
+    virtual Result<SampleReply> sample(const SampleRequest& request) const = 0;
+    virtual Result<RaysReply> rays(const RaysRequest& request) const = 0;
+};
+
+}  // namespace trochoid

@@ -1,0 +1,29 @@
+#include "server/net/server_stats.hpp"
+
+#include <fmt/format.h>
+
+namespace trochoid {
+
+namespace {
+
+std::string by_code(const std::map<ErrorCode, uint64_t>& counts) {
+    std::string text;
+    for (const auto& [code, count] : counts)
+        text += fmt::format("{}{}: {}", text.empty() ? "" : ", ", static_cast<unsigned>(code), count);
+    return text.empty() ? "none" : text;
+}
+
+}  // namespace
+
+std::string text_of(const ServerStats& s) {
+    return fmt::format(
+        "{} connections ({} sessions, {} open), in {} frames {} bytes, out {} frames (bytes: control {}, state {}, answers "
+        "{}, terrain {}), {} results ({} empty, {} resyncs), {} tiles, {} views ({} superseded), {} commands, viewers {} "
+        "exact {} approximate, ended by code {}, refused by code {}",
+        s.connections, s.sessions_started, s.sessions_now, s.frames_in, s.bytes_in, s.frames_out,
+        s.control_bytes, s.state_bytes, s.answer_bytes, s.terrain_bytes, s.results, s.empty_results,
+        s.resyncs, s.terrain_tiles, s.views, s.views_superseded, s.commands, s.exact_viewers,
+        s.approximate_viewers, by_code(s.ended), by_code(s.refused));
+}
+
+}  // namespace trochoid

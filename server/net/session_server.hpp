@@ -1,0 +1,49 @@
+#pragma once
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <vector>
+
+#include "server/net/io_loop.hpp"
+#include "server/net/sea_provider.hpp"
+#include "server/net/server_stats.hpp"
+#include "server/net/session.hpp"
+
+namespace trochoid {
+
+/// All sessions of one server, on the io thread.
+class SessionServer {
+public:
+    SessionServer(IoLoop& loop, SeaProvider& sea, const Limits& limits);
+    SessionServer(const SessionServer&) = delete;
+    SessionServer& operator=(const SessionServer&) = delete;
+
+    /// Takes a new connection; beyond Limits::sessions it only gets a goodbye.
+    void accept(std::unique_ptr<Transport> transport);
+    /// The world has changed: every session decides its next result.
+    void sea_changed();
+    /// Says goodbye (shutting_down, with a retry time that differs from session to session) to all, takes nobody new,
+    /// and calls back once the last one is gone, two seconds later at the latest.
+    void drain(std::function<void()> drained);
+
+    const ServerStats& stats() const { return stats_; }
+
+private:
+    void sweep();
+    void forget(uint64_t id);
+    static Goodbye farewell(const Error& error, uint64_t id);
+    std::vector<std::shared_ptr<Session>> all() const;
+
+    IoLoop& loop_;
+    ServerStats stats_;
+    std::vector<uint8_t> read_buffer_;
+    SessionSurroundings around_;
+    LoopTimer sweep_timer_;
+    std::map<uint64_t, std::shared_ptr<Session>> sessions_;
+    uint64_t next_id_ = 1;
+    bool draining_ = false;
+    std::function<void()> drained_;
+};
+
+}  // namespace trochoid

@@ -1,0 +1,42 @@
+#pragma once
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <string>
+
+namespace trochoid {
+
+/// A byte stream to one peer, as a session sees it; never blocks. TCP here; TLS and WebSocket fit behind it.
+class Transport {
+public:
+    /// What a read or write came to: bytes moved, or why none were.
+    struct Moved {
+        size_t bytes = 0;
+        bool closed = false;  ///< the peer is gone, or the stream broke; bytes is 0
+        bool operator==(const Moved&) const = default;
+    };
+
+    Transport() = default;
+    Transport(const Transport&) = delete;
+    Transport& operator=(const Transport&) = delete;
+    virtual ~Transport() = default;
+
+    /// "127.0.0.1:50123", for logs.
+    virtual const std::string& peer() const = 0;
+
+    /// Calls back once when `read` has something to say. At most one call is pending; closing forgets it.
+    virtual void when_readable(std::function<void()> ready) = 0;
+    /// Calls back once when the stream takes bytes that would leave this machine soon (little is unsent).
+    virtual void when_writable(std::function<void()> ready) = 0;
+    /// Takes what has arrived; 0 bytes and not closed: nothing yet.
+    virtual Moved read(std::span<uint8_t> into) = 0;
+    /// Hands over what fits; less than all: try the rest when writable.
+    virtual Moved write(std::span<const uint8_t> bytes) = 0;
+    /// Tells the peer that nothing more comes; reading goes on.
+    virtual void finish() = 0;
+    /// Ends the stream; pending calls are forgotten.
+    virtual void close() = 0;
+};
+
+}  // namespace trochoid

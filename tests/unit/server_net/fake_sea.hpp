@@ -1,0 +1,37 @@
+#pragma once
+#include <atomic>
+
+#include "server/net/sea_provider.hpp"
+
+namespace trochoid {
+
+/// A small sea for session tests: one box, `patches` patches around the view whose errors change with `revision`, and a
+/// square of terrain tiles. Everything belongs to the io thread, except what is atomic.
+class FakeSea final : public SeaProvider {
+public:
+    std::atomic<uint32_t> patches{16};
+    std::atomic<uint64_t> revision{1};
+    std::atomic<uint32_t> tiles{0};
+    std::atomic<uint64_t> results_made{0};
+    std::atomic<int64_t> refresh_after_us{0};  ///< 0: never
+    /// Set before the server starts.
+    std::string token = "secret";
+
+    HelloFacts hello_facts() const override;
+    ClockFacts clock_facts() const override;
+    Result<Role> role_for(const std::string& given) const override;
+    std::optional<MadeResult> make_result(const ResultRequest& request) override;
+    InterestDelta change(const InterestState& base, const InterestState& target,
+                         const CullKey& key) const override;
+    std::vector<TerrainTileKey> tiles_for(const ViewState& view) override;
+    TerrainTile tile(TerrainTileKey key) override;
+    void command(const Command& command, Role role, std::function<void(CommandReply)> reply) override;
+    BoxList list_boxes() const override;
+    Result<SampleReply> sample(const SampleRequest& request) const override;
+    Result<RaysReply> rays(const RaysRequest& request) const override;
+
+    /// The state that a client has to end up with for this view.
+    InterestState state_for(const ViewState& view) const;
+};
+
+}  // namespace trochoid
