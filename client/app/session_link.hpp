@@ -1,0 +1,71 @@
+#pragma once
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+
+#include "client/app/session_board.hpp"
+#include "client/net/connection.hpp"
+
+namespace trochoid {
+
+/// The network thread's half of a session: one connection after the other, and what passes over them. Every member runs
+/// on the loop's thread; results appear on the board.
+class SessionLink {
+public:
+    SessionLink(NetLoop& loop, SessionBoard& board, const SessionOptions& options);
+    SessionLink(const SessionLink&) = delete;
+    SessionLink& operator=(const SessionLink&) = delete;
+
+    void connect();
+    /// Says goodbye; the board's state becomes `ended`.
+    void end();
+    void view_changed();
+    void regions_changed();
+
+    /// A question in flight: `take` gets every message with its sequence and says whether the answer is whole.
+    struct Question {
+        std::function<bool(ServerMessage& message)> take;
+        std::function<void(const Error& error)> fail;
+    };
+    /// `make` puts the question under the sequence number it is given.
+    void ask(const std::function<ClientMessage(uint32_t sequence)>& make, Question question);
+
+    Traffic traffic() const;
+
+private:
+    void receive(ServerMessage message, int64_t received_us);
+    void on(const ServerHello& hello, int64_t received_us);
+    void on(const ClockReply& reply, int64_t received_us);
+    void on(const Delta& delta, int64_t received_us);
+    void on(const TerrainTiles& tiles, int64_t received_us);
+    void answer(uint32_t sequence, ServerMessage& message);
+    void closed(const Goodbye& goodbye, CloseCause cause);
+    void ask_clock(uint64_t generation, int done);
+    void show_store();
+    ClientHello hello_now();
+
+    NetLoop& loop_;
+    SessionBoard& board_;
+    const SessionOptions& options_;
+    std::shared_ptr<Connection> connection_;
+    Traffic past_traffic_;  // of connections that are gone; under the board's mutex
+    ClientStore store_;
+    uint32_t sequence_ = 0;  // one row for everything, so it names questions of all types
+    std::map<uint32_t, Question> questions_;
+    uint64_t generation_ = 0;  // of the connection: timers of earlier ones do nothing
+    bool live_ = false;
+    bool ending_ = false;
+    std::optional<std::string> given_up_;  // why we closed a silent connection
+    std::optional<uint64_t> known_answer_;  // goes with the first ack
+    ViewState told_view_;
+    int64_t told_view_us_ = 0;
+    std::vector<SyncRegion> told_regions_;
+    bool view_timer_ = false;
+    int64_t heard_us_ = 0;
+    int64_t live_since_us_ = 0;
+    uint32_t failures_ = 0;            // in a row, for the back-off
+    double patches_per_second_ = 0.0;  // smoothed, 0 = not known yet
+};
+
+}  // namespace trochoid

@@ -1,0 +1,9 @@
+# The viewer: its loop as a library, so that tests run it over a fixture, and the program over a session.
+if(NOT TROCHOID_VIEWER)
+    return()
+endif()
+find_package(nlohmann_json REQUIRED)
+trochoid_library(client_viewer
+    SOURCES viewer_loop.cpp viewer_options.cpp viewer_summary.cpp
+    LINKS client_scene client_gpu protocol_units CLI11::CLI11 spdlog::spdlog nlohmann_json::nlohmann_json)
+trochoid_program(trochoid-viewer SOURCES viewer_main.cpp LINKS client_viewer client_session)

@@ -1,0 +1,54 @@
+#pragma once
+#include <chrono>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <variant>
+
+#include "client/net/endpoint.hpp"
+#include "protocol/codec/messages.hpp"
+
+namespace trochoid {
+
+/// When a command shall take hold.
+struct AskedTime {
+    std::optional<double> at_s;  ///< sea time, seconds
+    std::optional<double> in_s;  ///< seconds of sea time from now
+    bool or_refuse = false;      ///< refuse rather than defer what cannot be met
+    bool operator==(const AskedTime&) const = default;
+};
+
+struct CtlStartWind {
+    StartWind wind;
+    AskedTime when;
+    bool operator==(const CtlStartWind&) const = default;
+};
+struct CtlStopWind {
+    BoxId box;
+    AskedTime when;
+    bool operator==(const CtlStopWind&) const = default;
+};
+struct CtlList {
+    bool operator==(const CtlList&) const = default;
+};
+struct CtlTime {
+    std::optional<double> rate;  ///< 0 (paused) to 16
+    bool operator==(const CtlTime&) const = default;
+};
+
+struct CtlOptions {
+    Endpoint server;
+    std::string token;  ///< contents of the token file
+    bool json = false;
+    std::chrono::milliseconds patience{30000};
+    std::variant<CtlStartWind, CtlStopWind, CtlList, CtlTime> action;
+};
+
+/// The command line as options. Nothing where --help or --version has been answered on standard output; OperatorError for
+/// everything that does not fit, with what would.
+std::optional<CtlOptions> read_ctl_options(int argc, const char* const* argv);
+
+/// The sea time that is asked for, at a present sea time; the far past ("as soon as possible") where none is.
+SeaTime asked_time(const AskedTime& when, SeaTime now);
+
+}  // namespace trochoid

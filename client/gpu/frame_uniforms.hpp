@@ -1,0 +1,49 @@
+#pragma once
+#include <glm/mat4x4.hpp>
+#include <glm/vec4.hpp>
+
+#include "client/scene/bed_map.hpp"
+#include "client/scene/camera.hpp"
+#include "client/scene/edge_level.hpp"
+#include "protocol/units/sea_time.hpp"
+
+namespace trochoid {
+
+/// The Frame block of shaders/frame.glsl (std140: sixteen-byte members only).
+struct FrameUniforms {
+    glm::mat4 clip_from_camera{1};
+    glm::mat4 camera_from_clip{1};
+    glm::ivec4 camera_cell{0};
+    glm::vec4 camera_eye{0};
+    glm::ivec4 mesh_cell{0};
+    glm::vec4 mesh_eye{0};
+    glm::vec4 mesh_filter{0};
+    glm::vec4 sun{0};
+    glm::vec4 bed_transform{0};
+    glm::vec4 ripple_axes{1, 0, 1, 0};
+    glm::vec4 scroll{0};
+    glm::vec4 picture{0};
+    glm::vec4 foam{0};
+};
+
+/// What a frame's uniforms follow from.
+struct FrameInputs {
+    const Camera& camera;
+    const CameraFrame& frame;
+    const MeshEye& eye;
+    const BedMap& bed;
+    SeaTime now;
+    int ripple_axis = 0;  ///< see ripple_axis_near
+    bool authoritative = false;
+};
+FrameUniforms make_uniforms(const FrameInputs& inputs);
+
+/// The twelve directions that ripples can travel in, by number: those of 3-4-5 triangles and the axes, clockwise from east.
+glm::vec2 ripple_axis(int number);
+/// Number of the direction nearest to a heading; keeps `current` where the heading has not turned far from it.
+int ripple_axis_near(glm::vec2 heading, int current);
+
+/// Unit vector towards the sun: afternoon, 24 degrees above the west-south-west.
+glm::vec3 sun_direction();
+
+}  // namespace trochoid

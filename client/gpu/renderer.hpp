@@ -1,0 +1,62 @@
+#pragma once
+#include <array>
+#include <memory>
+
+#include "client/gpu/frame_uniforms.hpp"
+#include "client/gpu/land_pass.hpp"
+#include "client/gpu/line_pass.hpp"
+#include "client/gpu/render_target.hpp"
+#include "client/gpu/sea_pass.hpp"
+#include "client/scene/draw_options.hpp"
+#include "client/scene/frame_report.hpp"
+#include "client/scene/scene_input.hpp"
+
+namespace trochoid {
+
+/// Pictures of the sea: one call draws one into a target. Needs a current OpenGL 4.1 core context, as long as it lives.
+class Renderer {
+public:
+    Renderer();
+    Renderer(const Renderer&) = delete;
+    Renderer& operator=(const Renderer&) = delete;
+    ~Renderer();
+
+    /// Draws what the input shows from a camera. `culling_camera` is the one that the mesh is made for: usually the same,
+    /// frozen where a debug view wants to see from outside what is drawn.
+    FrameReport draw(const RenderTarget& target, const SceneInput& input, const Camera& camera, const Camera& culling_camera,
+                     const DrawOptions& options);
+
+    DepthRange depth_range() const { return depth_range_; }
+
+private:
+    void take_over(const SceneInput& input);
+    void begin_gpu_time();
+    void end_gpu_time();
+
+    DepthRange depth_range_;
+    size_t texel_limit_;
+    SeaBuffers buffers_;
+    SeaPass sea_;
+    FarSeaPass far_sea_;
+    LandPass land_;
+    LinePass lines_;
+    ShaderProgram sky_;
+    GlVertexArray nothing_;
+    GlBuffer uniforms_;
+
+    // What the tables were made of; they are made anew when these change.
+    std::shared_ptr<const InterestState> state_;
+    std::vector<std::shared_ptr<const TerrainTile>> tiles_;
+    TerrainExtent extent_;
+    LandTable land_table_;
+    SeaTable sea_table_;
+    BedMap bed_;
+    int ripple_axis_ = 0;
+
+    // Time queries come back some frames later.
+    std::array<GLuint, 4> queries_{};
+    uint64_t frames_ = 0;
+    double gpu_ms_ = 0;
+};
+
+}  // namespace trochoid

@@ -1,0 +1,83 @@
+#include "client/gpu/shader_program.hpp"
+
+#include <fmt/format.h>
+
+#include "client/gpu/shader_sources.hpp"
+#include "client/scene/sea_table.hpp"
+#include "protocol/units/assert.hpp"
+
+namespace trochoid {
+
+namespace {
+
+GLenum stage_of(std::string_view file) {
+    if (file.ends_with(".vert")) return GL_VERTEX_SHADER;
+    if (file.ends_with(".tesc")) return GL_TESS_CONTROL_SHADER;
+    if (file.ends_with(".tese")) return GL_TESS_EVALUATION_SHADER;
+    TROCHOID_ASSERT(file.ends_with(".frag"), "no stage for {}", file);
+    return GL_FRAGMENT_SHADER;
+}
+
+std::string log_of(GLuint object, bool program) {
+    std::string log(8192, '\0');
+    GLsizei length = 0;
+    if (program)
+        glGetProgramInfoLog(object, static_cast<GLsizei>(log.size()), &length, log.data());
+    else
+        glGetShaderInfoLog(object, static_cast<GLsizei>(log.size()), &length, log.data());
+    log.resize(static_cast<size_t>(length));
+    return log;
+}
+
+GLuint compile(std::string_view file, const std::string& prelude) {
+    const auto source = shader_sources().find(file);
+    TROCHOID_ASSERT(source != shader_sources().end(), "no shader {}", file);
+    const std::string text = prelude + "#line 1\n" + std::string(source->second);
+    const char* begin = text.c_str();
+    const GLuint shader = glCreateShader(stage_of(file));
+    glShaderSource(shader, 1, &begin, nullptr);
+    glCompileShader(shader);
+    GLint compiled = GL_FALSE;
+    glGetShaderiv(shader, GL_COMPILE_STATUS, &compiled);
+    TROCHOID_ASSERT(compiled == GL_TRUE, "{}: {}", file, log_of(shader, false));
+    return shader;
+}
+
+void set_units(GLuint program) {
+    glUseProgram(program);
+    const auto set = [program](const char* name, TextureUnit unit) {
+        const GLint at = glGetUniformLocation(program, name);
+        if (at >= 0) glUniform1i(at, unit);
+    };
+    set("sea_records", records_unit);
+    set("sea_lists", lists_unit);
+    set("land_slots", slots_unit);
+    set("land_nodes", nodes_unit);
+    set("ripple_map", ripples_unit);
+    set("bed_map", bed_unit);
+    const GLuint block = glGetUniformBlockIndex(program, "Frame");
+    if (block != GL_INVALID_INDEX) glUniformBlockBinding(program, block, frame_binding);
+}
+
+}  // namespace
+
+ShaderProgram::ShaderProgram(std::initializer_list<std::string_view> stages, const Options& options) : name_(glCreateProgram()) {
+    std::string prelude = "#version 410 core\n";
+    prelude += fmt::format("#define TRAIN_ROW {}\n", train_row_texels);
+    for (const std::string& define : options.defines) prelude += "#define " + define + "\n";
+    for (const std::string_view file : stages) {
+        const GLuint shader = compile(file, prelude);
+        glAttachShader(name_, shader);
+        glDeleteShader(shader);
+    }
+    if (!options.captured_outputs.empty())
+        glTransformFeedbackVaryings(name_, static_cast<GLsizei>(options.captured_outputs.size()), options.captured_outputs.data(),
+                                    GL_INTERLEAVED_ATTRIBS);
+    glLinkProgram(name_);
+    GLint linked = GL_FALSE;
+    glGetProgramiv(name_, GL_LINK_STATUS, &linked);
+    TROCHOID_ASSERT(linked == GL_TRUE, "{}: {}", *stages.begin(), log_of(name_, true));
+    set_units(name_);
+}
+
+}  // namespace trochoid

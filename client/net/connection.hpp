@@ -1,0 +1,76 @@
+#pragma once
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "client/net/endpoint.hpp"
+#include "client/net/net_loop.hpp"
+#include "protocol/codec/messages.hpp"
+
+namespace trochoid {
+
+/// Bytes and frames on the socket, headers counted.
+struct Traffic {
+    uint64_t bytes_received = 0;
+    uint64_t bytes_sent = 0;
+    uint64_t frames_received = 0;
+    uint64_t frames_sent = 0;
+    bool operator==(const Traffic&) const = default;
+};
+
+/// Why a connection ended.
+enum class CloseCause : uint8_t {
+    server_goodbye,  ///< the server said why; the Goodbye is its own
+    refused_server,  ///< the server broke the standard; the Goodbye is what we told it
+    closed_here,     ///< we asked for it
+    lost,            ///< no answer, refused or reset; the message says which and what to do
+};
+
+/// One framed TCP connection (TCP_NODELAY) from dialling to its end. Lives on a NetLoop: callbacks and all members but
+/// `traffic` belong to the loop's thread. Never reconnects; make a new one. Whatever the server sends is either handed
+/// on as a valid message that may come at this point of a session, or ends the connection.
+class Connection : public std::enable_shared_from_this<Connection> {
+public:
+    struct Events {
+        std::function<void()> connected;
+        /// A decoded message and our monotonic clock (microseconds) when its last byte had arrived.
+        std::function<void(ServerMessage message, int64_t received_us)> message;
+        /// Exactly once, last.
+        std::function<void(const Goodbye& goodbye, CloseCause cause)> closed;
+    };
+    /// A connection is given up when dialling, or then the server's hello, takes longer than this.
+    static constexpr std::chrono::seconds patience{5};
+    /// Bytes that may wait for a server that does not read.
+    static constexpr size_t most_waiting = size_t{256} * 1024;
+
+    static std::shared_ptr<Connection> open(NetLoop& loop, Endpoint endpoint, Events events);
+    Connection(const Connection&) = delete;
+    Connection& operator=(const Connection&) = delete;
+    ~Connection();
+
+    /// Queues a message; before the connection stands it waits. Nothing after close.
+    void send(const ClientMessage& message);
+    /// Says goodbye, gives it a second to leave, closes.
+    void close(const Goodbye& goodbye);
+    /// Ends because the server broke the standard: it is told the code, and `closed` says refused_server.
+    void refuse(const Error& error);
+    /// From any thread.
+    Traffic traffic() const;
+
+private:
+    struct Impl;
+    explicit Connection(std::unique_ptr<Impl> impl);
+    void dial();
+    void start();
+    void expect_within_patience(const char* what);
+    void read_some();
+    void take(size_t count);
+    void write_some();
+    void part(const Goodbye& goodbye, CloseCause cause);
+    void lose(std::string message);
+    void finish(const Goodbye& goodbye, CloseCause cause);
+    std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace trochoid

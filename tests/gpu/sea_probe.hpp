@@ -1,0 +1,28 @@
+#pragma once
+#include <cstdint>
+#include <vector>
+
+#include "client/gpu/sea_pass.hpp"
+#include "client/scene/scene_input.hpp"
+
+namespace trochoid {
+
+/// What the tessellation shader computed at one vertex.
+struct ProbedVertex {
+    int32_t x = 0;  ///< relative to the anchor, lattice units
+    int32_t z = 0;
+    float shift[3] = {};   ///< aX, aY, aZ
+    float normal[3] = {};  ///< unnormalised
+    uint32_t phases = 0;   ///< digest of all phases in the order of the sum
+};
+
+struct Probe {
+    LatticePoint anchor;
+    std::vector<ProbedVertex> vertices;  ///< three a triangle
+};
+
+/// Runs the shipped tessellation shaders over a state without drawing and reads their outputs back (transform feedback).
+/// Nothing fades. Covers everything around the camera, whether in view or not.
+Probe probe_sea(const InterestState& state, SeaTime now, const Camera& camera);
+
+}  // namespace trochoid
