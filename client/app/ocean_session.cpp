@@ -40,7 +40,8 @@ SessionLink::Question question_for(AnswerTo<Reply> answer) {
         else if (refusal != nullptr)
             answer(Error{refusal->code, refusal->message});
         else
-            answer(Error{ErrorCode::unexpected_message, "the server gave another kind of answer than was asked for"});
+            answer(Error{ErrorCode::unexpected_message,
+                         "the server gave another kind of answer than was asked for"});
         return true;
     };
     question.fail = [answer](const Error& error) { answer(error); };
@@ -73,7 +74,8 @@ OceanSession::~OceanSession() {
     Impl& my = *impl_;
     my.loop.post([&my] { my.link.end(); });
     std::unique_lock lock(my.board.mutex);
-    my.board.news.wait_for(lock, std::chrono::milliseconds(1500), [&my] { return my.board.state == LinkState::ended; });
+    my.board.news.wait_for(lock, std::chrono::milliseconds(1500),
+                           [&my] { return my.board.state == LinkState::ended; });
 }
 
 std::shared_ptr<const StoreSnapshot> OceanSession::snapshot() const {
@@ -139,15 +141,21 @@ void OceanSession::set_regions(std::vector<SyncRegion> regions) {
 
 void OceanSession::rays(BoxId box, AnswerTo<RaysReply> answer) {
     impl_->loop.post([this, box, answer = std::move(answer)] {
-        impl_->link.ask([box](uint32_t sequence) { return RaysRequest{sequence, box}; },
-                        question_in_pieces<RaysReply>(answer, &RaysReply::rays));
+        impl_->link.ask(
+            [box](uint32_t sequence) {
+                return RaysRequest{sequence, box};
+            },
+            question_in_pieces<RaysReply>(answer, &RaysReply::rays));
     });
 }
 
 void OceanSession::sample(SeaTime time, std::vector<LatticePoint> points, AnswerTo<SampleReply> answer) {
     impl_->loop.post([this, time, points = std::move(points), answer = std::move(answer)] {
-        impl_->link.ask([&](uint32_t sequence) { return SampleRequest{sequence, time, points}; },
-                        question_for<SampleReply>(answer));
+        impl_->link.ask(
+            [&](uint32_t sequence) {
+                return SampleRequest{sequence, time, points};
+            },
+            question_for<SampleReply>(answer));
     });
 }
 

@@ -33,9 +33,9 @@ enum class LinkState : uint8_t {
 /// What a session tells about itself.
 struct SessionStatistics {
     LinkState state = LinkState::connecting;
-    std::string sentence;          ///< the state for people: "connected", "server gone …, trying again in 2 s"
-    std::string server_version;    ///< as the server's hello named it, empty before
-    uint64_t bytes_received = 0;   ///< on the socket, over all connections
+    std::string sentence;  ///< the state for people: "connected", "server gone …, trying again in 2 s"
+    std::string server_version;   ///< as the server's hello named it, empty before
+    uint64_t bytes_received = 0;  ///< on the socket, over all connections
     uint64_t bytes_sent = 0;
     double bytes_per_second = 0.0;  ///< received, over the last three seconds
     int64_t clock_error_us = 0;     ///< bound of the sea clock's error, microseconds of real time
@@ -44,7 +44,7 @@ struct SessionStatistics {
     StoreCounters store;
     uint64_t log_position = 0;
     float error_in_force_px = 1.0F;
-    uint32_t connections = 0;       ///< that reached a server's hello
+    uint32_t connections = 0;  ///< that reached a server's hello
     uint64_t views_sent = 0;
 };
 

@@ -51,30 +51,38 @@ void await_cover(OceanSession& session, const ProbeOptions& options, LogPosition
     if (covered()) return;
     const SessionStatistics s = session.statistics();
     if (in_time && s.connections == 0 && !session.hello()) throw OperatorError(s.sentence);
-    throw ProbeError(in_time ? s.sentence
-                             : fmt::format("the server did not cover the regions within {} s: try again, or look at its log",
-                                           options.patience.count() / 1000));
+    throw ProbeError(
+        in_time
+            ? s.sentence
+            : fmt::format("the server did not cover the regions within {} s: try again, or look at its log",
+                          options.patience.count() / 1000));
 }
 
-std::vector<ProbeSample> read_water(const std::shared_ptr<const StoreSnapshot>& known, const std::vector<LatticePoint>& points, SeaTime time) {
+std::vector<ProbeSample> read_water(const std::shared_ptr<const StoreSnapshot>& known,
+                                    const std::vector<LatticePoint>& points, SeaTime time) {
     const WaterSampler sampler(known, time);
     std::vector<ProbeSample> samples;
     samples.reserve(points.size());
-    for (const LatticePoint& point : points) samples.push_back({time, point, sampler.surface(point), sampler.water(point)});
+    for (const LatticePoint& point : points)
+        samples.push_back({time, point, sampler.surface(point), sampler.water(point)});
     return samples;
 }
 
 /// The server's answer; waits for it.
-SampleReply ask_server(OceanSession& session, const ProbeOptions& options, SeaTime time, const std::vector<LatticePoint>& points) {
+SampleReply ask_server(OceanSession& session, const ProbeOptions& options, SeaTime time,
+                       const std::vector<LatticePoint>& points) {
     auto promise = std::make_shared<std::promise<Result<SampleReply>>>();
     auto answer = promise->get_future();
-    session.sample(time, points, [promise](Result<SampleReply> reply) { promise->set_value(std::move(reply)); });
+    session.sample(time, points,
+                   [promise](Result<SampleReply> reply) { promise->set_value(std::move(reply)); });
     if (answer.wait_for(options.patience) != std::future_status::ready)
-        throw ProbeError(fmt::format("the server gave no samples within {} s: try again, or look at its log", options.patience.count() / 1000));
+        throw ProbeError(fmt::format("the server gave no samples within {} s: try again, or look at its log",
+                                     options.patience.count() / 1000));
     Result<SampleReply> reply = answer.get();
     if (!reply) throw ProbeError(fmt::format("the server gave no samples: {}", reply.error().message));
     if (reply->samples.size() != points.size())
-        throw ProbeError(fmt::format("the server gave {} samples for {} points: it breaks the protocol", reply->samples.size(), points.size()));
+        throw ProbeError(fmt::format("the server gave {} samples for {} points: it breaks the protocol",
+                                     reply->samples.size(), points.size()));
     return std::move(*reply);
 }
 
@@ -91,28 +99,49 @@ std::vector<ProbeSample> read_and_compare(OceanSession& session, const ProbeOpti
         for (size_t j = 0; j < samples.size(); ++j) compare(sum, samples[j], reply.samples[j]);
         return samples;
     }
-    throw ProbeError("the sea changes too often to compare two moments of its log: try again when fewer commands come");
+    throw ProbeError(
+        "the sea changes too often to compare two moments of its log: try again when fewer commands come");
 }
 
-std::vector<ProbeSample> read_time(OceanSession& session, const ProbeOptions& options, SeaTime time, ProbeComparison& sum) {
+std::vector<ProbeSample> read_time(OceanSession& session, const ProbeOptions& options, SeaTime time,
+                                   ProbeComparison& sum) {
     if (!options.compare) return read_water(session.snapshot(), options.points, time);
     const size_t batch = std::max<size_t>(1, session.hello()->limits.sample_points);
     std::vector<ProbeSample> all;
     for (size_t at = 0; at < options.points.size(); at += batch) {
         const auto begin = options.points.begin() + static_cast<std::ptrdiff_t>(at);
-        const auto end = options.points.begin() + static_cast<std::ptrdiff_t>(std::min(at + batch, options.points.size()));
+        const auto end =
+            options.points.begin() + static_cast<std::ptrdiff_t>(std::min(at + batch, options.points.size()));
         const auto more = read_and_compare(session, options, time, {begin, end}, sum);
         all.insert(all.end(), more.begin(), more.end());
     }
     return all;
 }
 
+/// Waits until the time has come and nothing can change it any more.
+void await_confirmed(OceanSession& session, const ProbeOptions& options, SeaTime time) {
+    const auto confirmed = [&] { return session.snapshot()->watermark >= time; };
+    const auto ended = [&] { return session.statistics().state == LinkState::ended; };
+    // The watermark says enough: it runs ahead of the time by less than the server's lead.
+    const bool in_time = session.wait_until([&] { return confirmed() || ended(); }, options.patience);
+    if (confirmed()) return;
+    throw ProbeError(
+        in_time
+            ? session.statistics().sentence
+            : fmt::format(
+                  "sea time {:.3f} s was not confirmed within {} s: see trochoid-ctl time, or give more --patience",
+                  static_cast<double>(time.us) * 1e-6, options.patience.count() / 1000));
+}
+
 int read_times(OceanSession& session, const ProbeOptions& options) {
-    const SeaTime first = (options.at_s ? SeaTime{seconds_to_us(*options.at_s)} : session.sea_time_now()) + seconds_to_us(options.in_s);
+    const SeaTime first = (options.at_s ? SeaTime{seconds_to_us(*options.at_s)} : session.sea_time_now()) +
+                          seconds_to_us(options.in_s);
     ProbeComparison sum;
     std::vector<ProbeSample> all;
     for (uint32_t i = 0; i < options.times; ++i) {
-        const auto samples = read_time(session, options, first + int64_t{i} * seconds_to_us(options.every_s), sum);
+        const SeaTime time = first + int64_t{i} * seconds_to_us(options.every_s);
+        if (options.follow) await_confirmed(session, options, time);
+        const auto samples = read_time(session, options, time, sum);
         if (options.output == ProbeOutput::bits)
             for (const ProbeSample& sample : samples) fmt::print("{}", bits_line(sample));
         else
@@ -120,7 +149,8 @@ int read_times(OceanSession& session, const ProbeOptions& options) {
     }
     const SessionStatistics statistics = session.statistics();
     const auto known = session.snapshot();
-    if (options.output == ProbeOutput::json) fmt::print("{}", json_of(all, options.compare ? &sum : nullptr, statistics, *known));
+    if (options.output == ProbeOutput::json)
+        fmt::print("{}", json_of(all, options.compare ? &sum : nullptr, statistics, *known));
     if (options.output == ProbeOutput::table) fmt::print("{}", table_of(all));
     // Bits and JSON are for programs: the words for people go elsewhere.
     std::FILE* words = options.output == ProbeOutput::table ? stdout : stderr;
@@ -140,7 +170,8 @@ int watch(OceanSession& session, const ProbeOptions& options) {
         if (options.seconds && since_begin.count() >= *options.seconds) break;
         const SessionStatistics statistics = session.statistics();
         if (statistics.state == LinkState::ended) throw ProbeError(statistics.sentence);
-        if (statistics.state != LinkState::live && statistics.sentence != said) fmt::print(stderr, "trochoid-probe: {}\n", statistics.sentence);
+        if (statistics.state != LinkState::live && statistics.sentence != said)
+            fmt::print(stderr, "trochoid-probe: {}\n", statistics.sentence);
         said = statistics.sentence;
         const auto samples = read_water(session.snapshot(), {options.points.front()}, session.sea_time_now());
         fmt::print("{}", watch_line(samples.front()));
@@ -148,7 +179,8 @@ int watch(OceanSession& session, const ProbeOptions& options) {
         // In short naps, so that Ctrl-C ends it soon.
         const auto next = begin + interval * static_cast<double>(i + 1);
         while (interrupted == 0 && std::chrono::steady_clock::now() < next)
-            std::this_thread::sleep_for(std::min<std::chrono::duration<double>>(next - std::chrono::steady_clock::now(), std::chrono::milliseconds(50)));
+            std::this_thread::sleep_for(std::min<std::chrono::duration<double>>(
+                next - std::chrono::steady_clock::now(), std::chrono::milliseconds(50)));
     }
     fmt::print("{}", summary(session.statistics(), *session.snapshot()));
     return 0;

@@ -52,7 +52,8 @@ std::vector<double> numbers(const std::string& text, size_t count, const char* o
 LatticePoint place(double x, double z, const char* option) {
     constexpr auto farthest = static_cast<double>(world_bound / lattice_per_metre);
     if (std::abs(x) > farthest || std::abs(z) > farthest)
-        throw OperatorError(fmt::format("{} lies outside the world (at most {:.0f} m from its middle)", option, farthest));
+        throw OperatorError(
+            fmt::format("{} lies outside the world (at most {:.0f} m from its middle)", option, farthest));
     return {to_lattice(x), to_lattice(z)};
 }
 
@@ -67,26 +68,43 @@ SyncRegion region_of(const std::string& text) {
 void add_options(CLI::App& app, Typed& typed, ProbeOptions& options) {
     const auto within = [](auto least, auto most) { return CLI::Range(least, most).description(""); };
     app.add_option("--connect", typed.server, "HOST:PORT of the server")->capture_default_str();
-    app.add_option("--region", typed.regions, "Sync region X,Z,R: disc in metres; repeatable (default: 100 m around each --point)")
+    app.add_option("--region", typed.regions,
+                   "Sync region X,Z,R: disc in metres; repeatable (default: 100 m around each --point)")
         ->allow_extra_args(false);
-    app.add_option("--point", typed.points, "Rest point X,Z in metres (east, south); repeatable")->allow_extra_args(false);
-    app.add_option("--points", typed.random_points, "So many points inside the regions")->check(within(1U, 1'000'000U));
+    app.add_option("--point", typed.points, "Rest point X,Z in metres (east, south); repeatable")
+        ->allow_extra_args(false);
+    app.add_option("--points", typed.random_points, "So many points inside the regions")
+        ->check(within(1U, 1'000'000U));
     app.add_option("--seed", typed.seed, "Chooses them")->capture_default_str();
-    app.add_option("--at", options.at_s, "Sea time in seconds (default: now)")->check(within(-farthest_time_s, farthest_time_s));
-    app.add_option("--in", options.in_s, "So many seconds later (negative: earlier)")->check(within(-farthest_time_s, farthest_time_s));
-    app.add_option("--times", options.times, "Number of sea times")->check(within(1U, 1'000'000U))->capture_default_str();
+    app.add_option("--at", options.at_s, "Sea time in seconds (default: now)")
+        ->check(within(-farthest_time_s, farthest_time_s));
+    app.add_option("--in", options.in_s, "So many seconds later (negative: earlier)")
+        ->check(within(-farthest_time_s, farthest_time_s));
+    app.add_option("--times", options.times, "Number of sea times")
+        ->check(within(1U, 1'000'000U))
+        ->capture_default_str();
     app.add_option("--every", options.every_s, "Seconds between them; with --watch seconds between lines")
         ->check(within(0.001, 1e9))
         ->capture_default_str();
     CLI::Option* json = app.add_flag("--json", typed.json, "Print JSON");
-    CLI::Option* bits = app.add_flag("--bits", typed.bits,
-                                     "Print the bits of the 15 floats at every rest point: time in us, x, z in lattice units, hexadecimal words");
+    CLI::Option* bits = app.add_flag(
+        "--bits", typed.bits,
+        "Print the bits of the 15 floats at every rest point: time in us, x, z in lattice units, hexadecimal words");
     bits->excludes(json);
-    app.add_flag("--compare", options.compare, "Ask the server for the same points and times; exit 1 where any bit differs");
-    CLI::Option* watch = app.add_flag("--watch", options.watch, "Print the water at the first point, as a floating body sees it, until Ctrl-C");
-    watch->excludes(json)->excludes(bits);
-    app.add_option("--seconds", options.seconds, "End watching after so long")->check(within(0.001, 1e9))->needs(watch);
-    app.add_option("--patience", typed.patience_s, "Seconds to wait for the server")->check(within(0.1, 3600.0))->capture_default_str();
+    app.add_flag("--compare", options.compare,
+                 "Ask the server for the same points and times; exit 1 where any bit differs");
+    CLI::Option* follow = app.add_flag(
+        "--follow", options.follow, "Wait until each sea time has come and no event can change it any more");
+    CLI::Option* watch =
+        app.add_flag("--watch", options.watch,
+                     "Print the water at the first point, as a floating body sees it, until Ctrl-C");
+    watch->excludes(json)->excludes(bits)->excludes(follow);
+    app.add_option("--seconds", options.seconds, "End watching after so long")
+        ->check(within(0.001, 1e9))
+        ->needs(watch);
+    app.add_option("--patience", typed.patience_s, "Seconds to wait for the server")
+        ->check(within(0.1, 3600.0))
+        ->capture_default_str();
 }
 
 void choose_places(const Typed& typed, ProbeOptions& options) {
@@ -103,10 +121,13 @@ void choose_places(const Typed& typed, ProbeOptions& options) {
                                            [&](const SyncRegion& r) { return contains(r, point); });
             if (!known) options.regions.push_back(around);
         }
-    if (options.regions.empty()) throw OperatorError("say where: --point X,Z, or --region X,Z,R with --points N (see trochoid-probe --help)");
+    if (options.regions.empty())
+        throw OperatorError(
+            "say where: --point X,Z, or --region X,Z,R with --points N (see trochoid-probe --help)");
     if (options.regions.size() > Limits{}.sync_regions)
-        throw OperatorError(fmt::format("{} regions are too many: a server takes {}; give fewer, larger ones with --region",
-                                        options.regions.size(), Limits{}.sync_regions));
+        throw OperatorError(
+            fmt::format("{} regions are too many: a server takes {}; give fewer, larger ones with --region",
+                        options.regions.size(), Limits{}.sync_regions));
     const auto more = points_inside(options.regions, typed.random_points, typed.seed);
     options.points.insert(options.points.end(), more.begin(), more.end());
     if (options.points.empty()) throw OperatorError("no points: give --point X,Z or --points N");
@@ -115,13 +136,15 @@ void choose_places(const Typed& typed, ProbeOptions& options) {
 }  // namespace
 
 std::optional<ProbeOptions> read_probe_options(int argc, const char* const* argv) {
-    CLI::App app("Reads the water of a running sea, and compares it with the server's to the bit.", "trochoid-probe");
+    CLI::App app("Reads the water of a running sea, and compares it with the server's to the bit.",
+                 "trochoid-probe");
     app.set_version_flag("--version", version_text("trochoid-probe"));
-    app.footer("Examples:\n"
-               "  trochoid-probe --point 100,-250 --times 5 --every 0.5\n"
-               "  trochoid-probe --region 0,0,500 --region 3000,0,200 --points 1000 --compare\n"
-               "  trochoid-probe --point 0,0 --watch --every 0.2\n"
-               "Exit: 0 all well, 1 bits differ, the server refused or went away, 2 bad options or address.");
+    app.footer(
+        "Examples:\n"
+        "  trochoid-probe --point 100,-250 --times 5 --every 0.5\n"
+        "  trochoid-probe --region 0,0,500 --region 3000,0,200 --points 1000 --compare\n"
+        "  trochoid-probe --point 0,0 --watch --every 0.2\n"
+        "Exit: 0 all well, 1 bits differ, the server refused or went away, 2 bad options or address.");
     Typed typed;
     ProbeOptions options;
     add_options(app, typed, options);
@@ -134,7 +157,8 @@ std::optional<ProbeOptions> read_probe_options(int argc, const char* const* argv
         }
         throw OperatorError(fmt::format("{} (see trochoid-probe --help)", error.what()));
     }
-    for (const double v : {typed.patience_s, options.at_s.value_or(0.0), options.in_s, options.every_s, options.seconds.value_or(0.0)})
+    for (const double v : {typed.patience_s, options.at_s.value_or(0.0), options.in_s, options.every_s,
+                           options.seconds.value_or(0.0)})
         if (!std::isfinite(v)) throw OperatorError("options want finite numbers (see trochoid-probe --help)");
     options.server = parse_endpoint(typed.server);
     options.output = typed.json ? ProbeOutput::json : typed.bits ? ProbeOutput::bits : ProbeOutput::table;
@@ -143,11 +167,14 @@ std::optional<ProbeOptions> read_probe_options(int argc, const char* const* argv
     return options;
 }
 
-std::vector<LatticePoint> points_inside(const std::vector<SyncRegion>& regions, uint32_t count, uint64_t seed) {
+std::vector<LatticePoint> points_inside(const std::vector<SyncRegion>& regions, uint32_t count,
+                                        uint64_t seed) {
     std::vector<LatticePoint> points;
     points.reserve(count);
     uint64_t state = splitmix64(seed);
-    const auto dice = [&state](uint64_t sides) { return static_cast<int64_t>((state = splitmix64(state)) % sides); };
+    const auto dice = [&state](uint64_t sides) {
+        return static_cast<int64_t>((state = splitmix64(state)) % sides);
+    };
     for (uint32_t i = 0; i < count; ++i) {
         const SyncRegion& region = regions[i % regions.size()];
         const uint64_t sides = 2 * uint64_t{region.radius} + 1;
@@ -155,7 +182,8 @@ std::vector<LatticePoint> points_inside(const std::vector<SyncRegion>& regions, 
         // Four points in five of the square lie inside its disc, so this ends.
         do {
             const int64_t dx = dice(sides);
-            point = {region.centre.x + dx - int64_t{region.radius}, region.centre.z + dice(sides) - int64_t{region.radius}};
+            point = {region.centre.x + dx - int64_t{region.radius},
+                     region.centre.z + dice(sides) - int64_t{region.radius}};
         } while (!contains(region, point));
         points.push_back(point);
     }

@@ -21,10 +21,11 @@ struct ProbeOptions {
     std::optional<double> at_s;        ///< sea time of the first sample, seconds; none: now
     double in_s = 0.0;                 ///< seconds after that
     uint32_t times = 1;
-    double every_s = 1.0;              ///< sea seconds between times; real seconds while watching
+    double every_s = 1.0;  ///< sea seconds between times; real seconds while watching
     ProbeOutput output = ProbeOutput::table;
-    bool compare = false;  ///< ask the server for the same and count differences
-    bool watch = false;    ///< print the first point's water until ended
+    bool compare = false;           ///< ask the server for the same and count differences
+    bool follow = false;            ///< wait for each time to come and to be confirmed
+    bool watch = false;             ///< print the first point's water until ended
     std::optional<double> seconds;  ///< end watching after so long
     std::chrono::milliseconds patience{30000};
 };
@@ -34,6 +35,7 @@ struct ProbeOptions {
 std::optional<ProbeOptions> read_probe_options(int argc, const char* const* argv);
 
 /// `count` points inside the regions (closed discs, taken in turn), the same for the same seed on every machine.
-std::vector<LatticePoint> points_inside(const std::vector<SyncRegion>& regions, uint32_t count, uint64_t seed);
+std::vector<LatticePoint> points_inside(const std::vector<SyncRegion>& regions, uint32_t count,
+                                        uint64_t seed);
 
 }  // namespace trochoid

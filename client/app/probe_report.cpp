@@ -12,7 +12,8 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::array names{"ax", "ay", "az", "pxx", "pxz", "pzx", "pzz", "yx", "yz", "nx", "ny", "nz", "vx", "vy", "vz"};
+constexpr std::array names{"ax", "ay", "az", "pxx", "pxz", "pzx", "pzz", "yx",
+                           "yz", "nx", "ny", "nz",  "vx",  "vy",  "vz"};
 
 std::array<float, names.size()> floats_of(const SurfaceSample& s) {
     return {s.ax, s.ay, s.az, s.pxx, s.pxz, s.pzx, s.pzz, s.yx, s.yz, s.nx, s.ny, s.nz, s.vx, s.vy, s.vz};
@@ -59,9 +60,10 @@ void compare(ProbeComparison& sum, const ProbeSample& ours, const SurfaceSample&
     if (!sum.first_difference.empty()) return;
     for (size_t i = 0; i < a.size(); ++i)
         if (a[i] != b[i]) {
-            sum.first_difference =
-                fmt::format("{} at x {} z {} (lattice units), sea time {} us: {:08x} ({:g}) here, {:08x} ({:g}) on the server", names[i],
-                            ours.point.x, ours.point.z, ours.time.us, a[i], floats_of(ours.surface)[i], b[i], floats_of(servers)[i]);
+            sum.first_difference = fmt::format(
+                "{} at x {} z {} (lattice units), sea time {} us: {:08x} ({:g}) here, {:08x} ({:g}) on the server",
+                names[i], ours.point.x, ours.point.z, ours.time.us, a[i], floats_of(ours.surface)[i], b[i],
+                floats_of(servers)[i]);
             return;
         }
 }
@@ -73,38 +75,44 @@ std::string bits_line(const ProbeSample& sample) {
 }
 
 std::string table_of(const std::vector<ProbeSample>& samples) {
-    std::string out = fmt::format("{:>14}  {:>11}  {:>11}  {:>9}  {:>22}  {:>20}  {}\n", "TIME s", "X m", "Z m", "HEIGHT m", "NORMAL",
-                                  "VELOCITY m/s", "TRUST");
+    std::string out = fmt::format("{:>14}  {:>11}  {:>11}  {:>9}  {:>22}  {:>20}  {}\n", "TIME s", "X m",
+                                  "Z m", "HEIGHT m", "NORMAL", "VELOCITY m/s", "TRUST");
     for (const ProbeSample& s : samples) {
         const WaterPoint& w = s.answer.water;
-        out += fmt::format("{:14.3f}  {:11.3f}  {:11.3f}  {:+9.4f}  {:+6.3f}  {:+6.3f}  {:+6.3f}  {:+6.2f} {:+6.2f} {:+6.2f}  {}, {}\n",
-                           seconds(s.time), to_metres(s.point.x), to_metres(s.point.z), w.height, w.nx, w.ny, w.nz, w.vx, w.vy, w.vz,
-                           name_of(s.answer.trust), certainty(s.answer));
+        out += fmt::format(
+            "{:14.3f}  {:11.3f}  {:11.3f}  {:+9.4f}  {:+6.3f}  {:+6.3f}  {:+6.3f}  {:+6.2f} {:+6.2f} {:+6.2f}  {}, {}\n",
+            seconds(s.time), to_metres(s.point.x), to_metres(s.point.z), w.height, w.nx, w.ny, w.nz, w.vx,
+            w.vy, w.vz, name_of(s.answer.trust), certainty(s.answer));
     }
     return out;
 }
 
 std::string watch_line(const ProbeSample& s) {
     const WaterPoint& w = s.answer.water;
-    return fmt::format("sea time {:.3f} s  height {:+.4f} m  normal {:+.3f} {:+.3f} {:+.3f}  velocity {:+.2f} {:+.2f} {:+.2f} m/s  {}, {}\n",
-                       seconds(s.time), w.height, w.nx, w.ny, w.nz, w.vx, w.vy, w.vz, name_of(s.answer.trust), certainty(s.answer));
+    return fmt::format(
+        "sea time {:.3f} s  height {:+.4f} m  normal {:+.3f} {:+.3f} {:+.3f}  velocity {:+.2f} {:+.2f} {:+.2f} m/s  {}, {}\n",
+        seconds(s.time), w.height, w.nx, w.ny, w.nz, w.vx, w.vy, w.vz, name_of(s.answer.trust),
+        certainty(s.answer));
 }
 
 std::string comparison_line(const ProbeComparison& comparison) {
     std::string line = fmt::format("{} of {} identical\n", comparison.identical, comparison.asked);
-    if (!comparison.first_difference.empty()) line += fmt::format("first difference: {}\n", comparison.first_difference);
+    if (!comparison.first_difference.empty())
+        line += fmt::format("first difference: {}\n", comparison.first_difference);
     return line;
 }
 
 std::string summary(const SessionStatistics& s, const StoreSnapshot& known) {
-    return fmt::format("{} | {} | {} boxes, {} land blocks, log {} | clock within {:.3f} ms | {} bytes received, {} sent, {} results, {} resyncs\n",
-                       s.server_version.empty() ? s.sentence : s.server_version, word(s.fidelity), known.interest->boxes.size(),
-                       known.interest->blocks.size(), known.log_position.value, static_cast<double>(s.clock_error_us) * 1e-3, s.bytes_received,
-                       s.bytes_sent, s.store.results, s.store.resyncs);
+    return fmt::format(
+        "{} | {} | {} boxes, {} land blocks, log {} | clock within {:.3f} ms | {} bytes received, {} sent, {} results, {} resyncs\n",
+        s.server_version.empty() ? s.sentence : s.server_version, word(s.fidelity),
+        known.interest->boxes.size(), known.interest->blocks.size(), known.log_position.value,
+        static_cast<double>(s.clock_error_us) * 1e-3, s.bytes_received, s.bytes_sent, s.store.results,
+        s.store.resyncs);
 }
 
-std::string json_of(const std::vector<ProbeSample>& samples, const ProbeComparison* comparison, const SessionStatistics& statistics,
-                    const StoreSnapshot& known) {
+std::string json_of(const std::vector<ProbeSample>& samples, const ProbeComparison* comparison,
+                    const SessionStatistics& statistics, const StoreSnapshot& known) {
     Json list = Json::array();
     for (const ProbeSample& s : samples) {
         const WaterPoint& w = s.answer.water;
@@ -128,7 +136,9 @@ std::string json_of(const std::vector<ProbeSample>& samples, const ProbeComparis
              {"resyncs", statistics.store.resyncs},
              {"samples", list}};
     if (comparison != nullptr)
-        out["compared"] = {{"asked", comparison->asked}, {"identical", comparison->identical}, {"first_difference", comparison->first_difference}};
+        out["compared"] = {{"asked", comparison->asked},
+                           {"identical", comparison->identical},
+                           {"first_difference", comparison->first_difference}};
     return out.dump(2) + "\n";
 }
 

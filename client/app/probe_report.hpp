@@ -11,7 +11,7 @@ namespace trochoid {
 /// What the probe reads at one point and time.
 struct ProbeSample {
     SeaTime time;
-    LatticePoint point;     ///< as a rest point for `surface`, as a fixed place for `answer`
+    LatticePoint point;  ///< as a rest point for `surface`, as a fixed place for `answer`
     SurfaceSample surface;
     WaterAnswer answer;
 };

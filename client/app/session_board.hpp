@@ -27,8 +27,8 @@ public:
 
     // All below under the mutex.
     LinkState state = LinkState::connecting;
-    std::string reason;         // why the last connection ended
-    int64_t next_try_us = 0;    // while waiting
+    std::string reason;       // why the last connection ended
+    int64_t next_try_us = 0;  // while waiting
     std::shared_ptr<const StoreSnapshot> snapshot = std::make_shared<StoreSnapshot>();
     std::shared_ptr<const ServerHello> hello;
     ClockEstimator clock;
@@ -36,11 +36,11 @@ public:
     Fidelity fidelity = Fidelity::unknown;
     uint32_t connections = 0;
     uint64_t views_sent = 0;
-    std::deque<Mark> marks;     // received bytes over the last seconds
+    std::deque<Mark> marks;  // received bytes over the last seconds
     // What the owner wants the server to know.
     ViewState view;
     std::vector<SyncRegion> regions;
-    bool view_posted = false;   // the network thread has been told that the view has changed
+    bool view_posted = false;  // the network thread has been told that the view has changed
 
     void changed() {
         ++changes;

@@ -18,6 +18,9 @@ namespace {
 constexpr int clock_burst = 8;
 constexpr std::chrono::milliseconds clock_burst_interval{50};
 constexpr std::chrono::milliseconds clock_interval{2000};
+/// While an event may be about to change the clock.
+constexpr std::chrono::milliseconds clock_watch_interval{100};
+constexpr int64_t longest_watch_us = 10'000'000;
 /// A server that says nothing for this long, though it is asked for its clock, is gone.
 constexpr int64_t longest_silence_us = 8'000'000;
 constexpr int64_t view_interval_us = 100'000;
@@ -82,7 +85,6 @@ ClientHello SessionLink::hello_now() {
 void SessionLink::connect() {
     loop_.assert_here();
     if (ending_) return;
-    ++generation_;
     live_ = false;
     given_up_.reset();
     {
@@ -135,14 +137,27 @@ void SessionLink::on(const ServerHello& hello, int64_t received_us) {
     // What changed while the hellos were under way.
     view_changed();
     regions_changed();
-    ask_clock(generation_, 0);
+    log_position_ = hello.log_position;
+    watch_clock_until_us_ = 0;
+    ask_clock(++clock_row_, 0);
 }
 
-void SessionLink::ask_clock(uint64_t generation, int done) {
-    if (generation != generation_ || !live_) return;
+/// An event has come. It may be a new rate of time, which takes hold up to the server's lead later: the clock is asked
+/// often until then, or shown time would run wrong until the next regular exchange.
+void SessionLink::log_grew(LogPosition position) {
+    log_position_ = position;
+    const int64_t lead_us = int64_t{store_.hello()->limits.command_lead_ms} * 1000;
+    watch_clock_until_us_ = client_monotonic_us() + std::min(lead_us, longest_watch_us) +
+                            2 * clock_watch_interval / std::chrono::microseconds(1);
+    ask_clock(++clock_row_, clock_burst);
+}
+
+void SessionLink::ask_clock(uint64_t row, int done) {
+    if (row != clock_row_ || !live_) return;
     const int64_t now_us = client_monotonic_us();
     if (now_us - heard_us_ > longest_silence_us) {
-        given_up_ = fmt::format("the server at {} has said nothing for {} s", to_text(options_.server), longest_silence_us / 1'000'000);
+        given_up_ = fmt::format("the server at {} has said nothing for {} s", to_text(options_.server),
+                                longest_silence_us / 1'000'000);
         Goodbye goodbye;
         goodbye.code = ErrorCode::no_progress;
         goodbye.message = "no answer to the clock requests";
@@ -153,8 +168,10 @@ void SessionLink::ask_clock(uint64_t generation, int done) {
     request.sequence = ++sequence_;
     request.client_sent_us = client_monotonic_us();
     connection_->send(request);
-    loop_.after(done + 1 < clock_burst ? clock_burst_interval : clock_interval,
-                [this, generation, done] { ask_clock(generation, done + 1); });
+    const auto pause = done + 1 < clock_burst           ? clock_burst_interval
+                       : now_us < watch_clock_until_us_ ? clock_watch_interval
+                                                        : clock_interval;
+    loop_.after(pause, [this, row, done] { ask_clock(row, std::min(done + 1, clock_burst)); });
 }
 
 void SessionLink::on(const ClockReply& reply, int64_t received_us) {
@@ -174,12 +191,14 @@ void SessionLink::on(const Delta& delta, int64_t received_us) {
     if (patches >= 8) {
         const auto took_us = static_cast<double>(std::max<int64_t>(1, client_monotonic_us() - received_us));
         const double rate = static_cast<double>(patches) * 1e6 / took_us;
-        patches_per_second_ = patches_per_second_ == 0.0 ? rate : patches_per_second_ + (rate - patches_per_second_) / 8.0;
+        patches_per_second_ =
+            patches_per_second_ == 0.0 ? rate : patches_per_second_ + (rate - patches_per_second_) / 8.0;
     }
     (*ack)->patches_per_second = static_cast<uint32_t>(std::min(patches_per_second_, 1e6));
     (*ack)->known_answer = std::exchange(known_answer_, std::nullopt);
     show_store();
     connection_->send(**ack);
+    if (live_ && delta.key.log_position > log_position_) log_grew(delta.key.log_position);
 }
 
 void SessionLink::on(const TerrainTiles& tiles, int64_t) {
@@ -251,14 +270,14 @@ void SessionLink::ask(const std::function<ClientMessage(uint32_t)>& make, Questi
 void SessionLink::answer(uint32_t sequence, ServerMessage& message) {
     const auto asked = questions_.find(sequence);
     if (asked == questions_.end())
-        return connection_->refuse({ErrorCode::unexpected_message, fmt::format("an answer to question {}, which was not asked", sequence)});
+        return connection_->refuse({ErrorCode::unexpected_message,
+                                    fmt::format("an answer to question {}, which was not asked", sequence)});
     if (!asked->second.take(message)) return;
     questions_.erase(asked);
 }
 
 void SessionLink::closed(const Goodbye& goodbye, CloseCause cause) {
     const bool was_live = std::exchange(live_, false);
-    ++generation_;
     const int64_t now_us = client_monotonic_us();
     if (was_live && now_us - live_since_us_ > steady_after_us) failures_ = 0;
     const bool refused = cause == CloseCause::server_goodbye && !goodbye.retry;
@@ -266,7 +285,8 @@ void SessionLink::closed(const Goodbye& goodbye, CloseCause cause) {
     std::string reason = given_up_ ? *given_up_ : goodbye.message;
     if (cause == CloseCause::server_goodbye) reason = fmt::format("the server says: {}", goodbye.message);
     if (cause == CloseCause::refused_server && was_live)
-        reason = fmt::format("the server broke the protocol ({} {})", static_cast<unsigned>(goodbye.code), goodbye.message);
+        reason = fmt::format("the server broke the protocol ({} {})", static_cast<unsigned>(goodbye.code),
+                             goodbye.message);
     const int64_t pause = std::max<int64_t>(pause_ms(failures_++), goodbye.retry_after_ms);
     {
         const std::lock_guard lock(board_.mutex);
@@ -283,7 +303,8 @@ void SessionLink::closed(const Goodbye& goodbye, CloseCause cause) {
         board_.next_try_us = now_us + pause * 1000;
         board_.changed();
     }
-    for (auto& [sequence, question] : std::exchange(questions_, {})) question.fail({ErrorCode::client_closed, reason});
+    for (auto& [sequence, question] : std::exchange(questions_, {}))
+        question.fail({ErrorCode::client_closed, reason});
     if (again) loop_.after(std::chrono::milliseconds(pause), [this] { connect(); });
 }
 

@@ -41,7 +41,8 @@ private:
     void on(const TerrainTiles& tiles, int64_t received_us);
     void answer(uint32_t sequence, ServerMessage& message);
     void closed(const Goodbye& goodbye, CloseCause cause);
-    void ask_clock(uint64_t generation, int done);
+    void log_grew(LogPosition position);
+    void ask_clock(uint64_t row, int done);
     void show_store();
     ClientHello hello_now();
 
@@ -53,10 +54,12 @@ private:
     ClientStore store_;
     uint32_t sequence_ = 0;  // one row for everything, so it names questions of all types
     std::map<uint32_t, Question> questions_;
-    uint64_t generation_ = 0;  // of the connection: timers of earlier ones do nothing
+    uint64_t clock_row_ = 0;  // of the clock requests at hand: timers of earlier rows do nothing
+    int64_t watch_clock_until_us_ = 0;
+    LogPosition log_position_;
     bool live_ = false;
     bool ending_ = false;
-    std::optional<std::string> given_up_;  // why we closed a silent connection
+    std::optional<std::string> given_up_;   // why we closed a silent connection
     std::optional<uint64_t> known_answer_;  // goes with the first ack
     ViewState told_view_;
     int64_t told_view_us_ = 0;

@@ -50,7 +50,8 @@ SceneInput SessionSeaSource::snapshot() {
     input.tiles = tiles_;
     {
         const std::lock_guard lock(rays_->mutex);
-        std::erase_if(rays_->boxes, [&](const auto& entry) { return record_of(*known, entry.first) == nullptr; });
+        std::erase_if(rays_->boxes,
+                      [&](const auto& entry) { return record_of(*known, entry.first) == nullptr; });
         for (const auto& [box, of_box] : rays_->boxes)
             input.rays.insert(input.rays.end(), of_box.rays.begin(), of_box.rays.end());
     }

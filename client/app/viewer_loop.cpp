@@ -22,7 +22,9 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-double seconds_between(Clock::time_point from, Clock::time_point to) { return std::chrono::duration<double>(to - from).count(); }
+double seconds_between(Clock::time_point from, Clock::time_point to) {
+    return std::chrono::duration<double>(to - from).count();
+}
 
 /// How often a box's rays are asked for while they are shown.
 constexpr double rays_every_s = 2.0;
@@ -33,7 +35,11 @@ constexpr size_t recent_frames = 30;
 class Viewing {
 public:
     Viewing(SeaSource& source, const ViewerOptions& options)
-        : source_(source), options_(options), draw_(draw_options_of(options)), fly_(options.camera), overlay_shown_(options.overlay) {
+        : source_(source),
+          options_(options),
+          draw_(draw_options_of(options)),
+          fly_(options.camera),
+          overlay_shown_(options.overlay) {
         if (options.offscreen)
             offscreen_ = std::make_unique<OffscreenContext>();
         else
@@ -59,7 +65,7 @@ public:
         floor_.lift(camera, input);
         resize(camera);
         report_ = renderer_->draw(*target_, input, camera, frozen_.value_or(camera), draw_);
-        if (overlay_shown_) overlay_->draw(content(input, camera), target_->width(), target_->height());
+        overlay_->draw(content(input, camera), overlay_shown_, target_->width(), target_->height());
         show();
         if (seconds > 0.0 && has_sea()) record(seconds);
     }
@@ -101,9 +107,7 @@ private:
             case Toggle::rays: draw_.rays = !draw_.rays; break;
             case Toggle::patches: draw_.patches = !draw_.patches; break;
             case Toggle::fields: draw_.fields = !draw_.fields; break;
-            case Toggle::freeze:
-                frozen_ = frozen_ ? std::nullopt : std::optional(fly_.camera());
-                break;
+            case Toggle::freeze: frozen_ = frozen_ ? std::nullopt : std::optional(fly_.camera()); break;
         }
     }
 
@@ -114,12 +118,20 @@ private:
     }
 
     void note(const SceneInput& input) {
-        if (input.statistics.state != statistics_.state) spdlog::info("{}", input.statistics.state);
+        report_link(input.statistics.state);
         statistics_ = input.statistics;
         sea_time_ = input.now;
         if (!draw_.rays || !input.state || seconds_between(rays_asked_, last_frame_) < rays_every_s) return;
         rays_asked_ = last_frame_;
         for (const auto& [id, box] : input.state->boxes) source_.request_rays(id);
+    }
+
+    /// Says how the link does, but not every second of a countdown, which stands behind the last comma.
+    void report_link(const std::string& state) {
+        const std::string news = state.substr(0, state.rfind(','));
+        if (news == reported_link_) return;
+        reported_link_ = news;
+        spdlog::info("{}", state);
     }
 
     void resize(const Camera& camera) {
@@ -146,8 +158,17 @@ private:
 
     OverlayContent content(const SceneInput& input, const Camera& camera) const {
         const size_t count = std::min(frame_seconds_.size(), recent_frames);
-        const double frame_s = median_of({frame_seconds_.end() - static_cast<ptrdiff_t>(count), frame_seconds_.end()});
-        return {report_, input.statistics, input.now, camera, fly_.speed(), frame_s > 0 ? 1.0 / frame_s : 0.0, frame_s * 1e3, draw_, frozen_.has_value()};
+        const double frame_s =
+            median_of({frame_seconds_.end() - static_cast<ptrdiff_t>(count), frame_seconds_.end()});
+        return {report_,
+                input.statistics,
+                input.now,
+                camera,
+                fly_.speed(),
+                frame_s > 0 ? 1.0 / frame_s : 0.0,
+                frame_s * 1e3,
+                draw_,
+                frozen_.has_value()};
     }
 
     SeaSource& source_;
@@ -166,6 +187,7 @@ private:
 
     FrameReport report_;
     SourceStatistics statistics_;
+    std::string reported_link_;
     SeaTime sea_time_;
     Clock::time_point last_frame_;
     Clock::time_point rays_asked_;
@@ -182,8 +204,9 @@ bool await_sea(Viewing& viewing, const ViewerOptions& options, const std::functi
         viewing.frame();
         if (viewing.has_sea()) return true;
         if (options.offscreen && seconds_between(start, Clock::now()) > options.patience_s)
-            throw OperatorError(fmt::format("No sea came from {} within {:.0f} s ({}). Start trochoid-server there, or name another with --connect.",
-                                            options.connect, options.patience_s, viewing.statistics().state));
+            throw OperatorError(fmt::format(
+                "No sea came from {} within {:.0f} s ({}). Start trochoid-server there, or name another with --connect.",
+                options.connect, options.patience_s, viewing.statistics().state));
         std::this_thread::sleep_for(std::chrono::milliseconds(5));
     }
     return false;
@@ -191,7 +214,8 @@ bool await_sea(Viewing& viewing, const ViewerOptions& options, const std::functi
 
 void run_for(Viewing& viewing, double seconds, const std::function<bool()>& stop) {
     const auto start = Clock::now();
-    while (!stop() && !viewing.closed() && (seconds == 0 || seconds_between(start, Clock::now()) < seconds)) viewing.frame();
+    while (!stop() && !viewing.closed() && (seconds == 0 || seconds_between(start, Clock::now()) < seconds))
+        viewing.frame();
 }
 
 }  // namespace

@@ -25,7 +25,8 @@ int view(const trochoid::ViewerOptions& options) {
     session.view = trochoid::view_of(options.camera, glm::dvec3(0));
     session.view.accepted_error_px = trochoid::draw_options_of(options).error_px;
     trochoid::SessionSeaSource source(session);
-    const trochoid::ViewerSummary summary = trochoid::run_viewer(source, options, [] { return interrupted != 0; });
+    const trochoid::ViewerSummary summary =
+        trochoid::run_viewer(source, options, [] { return interrupted != 0; });
     fmt::print("trochoid-viewer: {}\n", trochoid::summary_line(summary));
     return 0;
 }

@@ -20,8 +20,10 @@ void set_size(const std::string& text, Camera& camera) {
     unsigned width = 0;
     unsigned height = 0;
     char rest = 0;
-    if (std::sscanf(text.c_str(), "%ux%u%c", &width, &height, &rest) != 2 || width < 16 || height < 16 || width > 8192 || height > 8192)
-        throw OperatorError(fmt::format("--size {}: give WIDTHxHEIGHT in pixels, each 16 to 8192, as in 1280x720.", text));
+    if (std::sscanf(text.c_str(), "%ux%u%c", &width, &height, &rest) != 2 || width < 16 || height < 16 ||
+        width > 8192 || height > 8192)
+        throw OperatorError(
+            fmt::format("--size {}: give WIDTHxHEIGHT in pixels, each 16 to 8192, as in 1280x720.", text));
     camera.width = width;
     camera.height = height;
 }
@@ -29,14 +31,16 @@ void set_size(const std::string& text, Camera& camera) {
 void set_place(const std::string& text, Camera& camera) {
     std::array<double, 5> v{};
     char rest = 0;
-    const int count = std::sscanf(text.c_str(), "%lf,%lf,%lf,%lf,%lf%c", &v[0], &v[1], &v[2], &v[3], &v[4], &rest);
+    const int count =
+        std::sscanf(text.c_str(), "%lf,%lf,%lf,%lf,%lf%c", &v[0], &v[1], &v[2], &v[3], &v[4], &rest);
     const double bound = to_metres(world_bound);
     bool good = count == 5;
     for (const double value : v) good = good && std::isfinite(value);
     if (!good || std::abs(v[0]) > bound || std::abs(v[2]) > bound || std::abs(v[4]) > 89.0)
-        throw OperatorError(fmt::format("--camera {}: give X,Y,Z,YAW,PITCH: metres east, up and south, degrees clockwise from north and upwards "
-                                        "(±89), as in 0,30,-2000,180,-5.",
-                                        text));
+        throw OperatorError(fmt::format(
+            "--camera {}: give X,Y,Z,YAW,PITCH: metres east, up and south, degrees clockwise from north and upwards "
+            "(±89), as in 0,30,-2000,180,-5.",
+            text));
     camera.position = {};
     move(camera, v[0], v[1] - camera.altitude_m, v[2]);
     camera.yaw = std::remainder(v[3], 360.0) * radians_per_degree;
@@ -57,7 +61,8 @@ void set_debug(const std::string& text, DrawOptions& options) {
         else if (name == "fields")
             options.fields = true;
         else
-            throw OperatorError(fmt::format("--debug {}: there are wireframe, boxes, rays, patches and fields.", name));
+            throw OperatorError(
+                fmt::format("--debug {}: there are wireframe, boxes, rays, patches and fields.", name));
     }
 }
 
@@ -73,13 +78,21 @@ void describe(CLI::App& app, ViewerOptions& options, Texts& texts) {
     app.add_option("--connect", options.connect, "Server, HOST:PORT")->capture_default_str();
     app.add_option("--token", options.token, "Token to log in with; without one a plain viewer");
     app.add_flag("--offscreen", options.offscreen, "Draw without a window or display");
-    app.add_option("--seconds", options.seconds, "Run this long once the sea is there (0: until closed; offscreen 5)")->check(CLI::Range(0.0, 1e6));
-    app.add_option("--patience", options.patience_s, "Offscreen: seconds to wait for the first sea")->capture_default_str()->check(CLI::Range(0.0, 1e6));
+    app.add_option("--seconds", options.seconds,
+                   "Run this long once the sea is there (0: until closed; offscreen 5)")
+        ->check(CLI::Range(0.0, 1e6));
+    app.add_option("--patience", options.patience_s, "Offscreen: seconds to wait for the first sea")
+        ->capture_default_str()
+        ->check(CLI::Range(0.0, 1e6));
     app.add_option("--picture", options.picture, "Write the last frame to this PNG file");
-    app.add_option("--second-picture", options.second_picture, "Write a second PNG file, later: the sea has moved");
-    app.add_option("--second-picture-after", options.second_picture_after, "Seconds between both pictures")->capture_default_str()->check(CLI::Range(0.0, 1e6));
+    app.add_option("--second-picture", options.second_picture,
+                   "Write a second PNG file, later: the sea has moved");
+    app.add_option("--second-picture-after", options.second_picture_after, "Seconds between both pictures")
+        ->capture_default_str()
+        ->check(CLI::Range(0.0, 1e6));
     app.add_option("--size", texts.size, "Picture size, WIDTHxHEIGHT")->capture_default_str();
-    app.add_option("--camera", texts.camera, "X,Y,Z,YAW,PITCH: metres east, up, south; degrees clockwise from north, upwards");
+    app.add_option("--camera", texts.camera,
+                   "X,Y,Z,YAW,PITCH: metres east, up, south; degrees clockwise from north, upwards");
     app.add_option("--quality", texts.quality, "low, medium or high")->capture_default_str();
     app.add_option("--debug", texts.debug, "Debug views: wireframe,boxes,rays,patches,fields");
     app.add_flag("--overlay", options.overlay, "Start with the numbers shown");
@@ -109,10 +122,13 @@ std::optional<ViewerOptions> parse_viewer_options(int argc, const char* const* a
     if (!texts.camera.empty()) set_place(texts.camera, options.camera);
     set_debug(texts.debug, options.debug);
     const auto quality = quality_named(texts.quality);
-    if (!quality) throw OperatorError(fmt::format("--quality {}: there are low, medium and high.", texts.quality));
+    if (!quality)
+        throw OperatorError(fmt::format("--quality {}: there are low, medium and high.", texts.quality));
     options.quality = *quality;
     if (options.offscreen && options.seconds == 0) options.seconds = 5;
-    if (!options.second_picture.empty() && options.seconds == 0) throw OperatorError("--second-picture needs --seconds: the first picture is taken when they are over.");
+    if (!options.second_picture.empty() && options.seconds == 0)
+        throw OperatorError(
+            "--second-picture needs --seconds: the first picture is taken when they are over.");
     return options;
 }
 

@@ -18,9 +18,11 @@ double median_of(std::vector<double> values) {
 }
 
 std::string summary_line(const ViewerSummary& s) {
-    return fmt::format("{:.1f} frames/s (median of {}), {} patches drawn of {}, {} wave trains in {} boxes, {} bytes received, {} viewer", s.median_fps,
-                       s.frames, s.last.patches_drawn, s.last.patches_known, s.last.trains, s.last.boxes, s.source.bytes_received,
-                       s.source.fidelity == Fidelity::unknown ? "not compared" : name_of(s.source.fidelity));
+    return fmt::format(
+        "{:.1f} frames/s (median of {}), {} patches drawn of {}, {} wave trains in {} boxes, {} bytes received, {} viewer",
+        s.median_fps, s.frames, s.last.patches_drawn, s.last.patches_known, s.last.trains, s.last.boxes,
+        s.source.bytes_received,
+        s.source.fidelity == Fidelity::unknown ? "not compared" : name_of(s.source.fidelity));
 }
 
 void write_summary(const std::string& path, const ViewerSummary& s) {
@@ -53,7 +55,9 @@ void write_summary(const std::string& path, const ViewerSummary& s) {
     std::ofstream file(path);
     file << json.dump(2) << '\n';
     file.flush();
-    if (!file) throw OperatorError(fmt::format("Cannot write the summary {}. Name a file in a folder that you may write to.", path));
+    if (!file)
+        throw OperatorError(
+            fmt::format("Cannot write the summary {}. Name a file in a folder that you may write to.", path));
 }
 
 }  // namespace trochoid

@@ -44,9 +44,11 @@ std::string sea_time_text(SeaTime time) {
     const int64_t ms = (time.us < 0 ? -time.us : time.us) / 1000;
     const int64_t s = ms / 1000;
     const int64_t days = s / 86400;
-    const std::string clock = fmt::format("{:02}:{:02}:{:02}.{:03}", s / 3600 % 24, s / 60 % 60, s % 60, ms % 1000);
+    const std::string clock =
+        fmt::format("{:02}:{:02}:{:02}.{:03}", s / 3600 % 24, s / 60 % 60, s % 60, ms % 1000);
     const char* sign = time.us < 0 ? "-" : "";
-    return fmt::format("{}{}.{:03} s ({}{}{})", sign, s, ms % 1000, sign, days > 0 ? fmt::format("{} d ", days) : "", clock);
+    return fmt::format("{}{}.{:03} s ({}{}{})", sign, s, ms % 1000, sign,
+                       days > 0 ? fmt::format("{} d ", days) : "", clock);
 }
 
 const char* stage_of(const BoxSummary& box, SeaTime now) {
@@ -64,13 +66,23 @@ std::string report(const BoxList& list, bool json) {
     std::string out = fmt::format("sea time {}\n", sea_time_text(list.now));
     if (list.boxes.empty()) return out + "no wave train boxes: the sea is still\n";
     using enum TextTable::Align;
-    TextTable table({{"BOX"}, {"NAME", left}, {"STAGE", left}, {"NOW %"}, {"HS m"}, {"WIND m/s"}, {"TOWARDS"}, {"TRAINS"},
-                     {"BEGIN s"}, {"END s"}, {"DECAY s"}});
+    TextTable table({{"BOX"},
+                     {"NAME", left},
+                     {"STAGE", left},
+                     {"NOW %"},
+                     {"HS m"},
+                     {"WIND m/s"},
+                     {"TOWARDS"},
+                     {"TRAINS"},
+                     {"BEGIN s"},
+                     {"END s"},
+                     {"DECAY s"}});
     for (const BoxSummary& b : list.boxes)
-        table.add({fmt::to_string(b.box.value), b.name, stage_of(b, list.now), fmt::format("{:.0f}", b.gain_now * 100.0F),
-                   fmt::format("{:.2f}", b.significant_height), b.wind_speed > 0.0F ? fmt::format("{:.1f}", b.wind_speed) : "-",
-                   fmt::format("{:.0f}°", b.towards_degrees), fmt::to_string(b.trains), seconds_text(b.begin), seconds_text(b.end),
-                   fmt::format("{:.1f}", static_cast<double>(b.decay_us) * 1e-6)});
+        table.add({fmt::to_string(b.box.value), b.name, stage_of(b, list.now),
+                   fmt::format("{:.0f}", b.gain_now * 100.0F), fmt::format("{:.2f}", b.significant_height),
+                   b.wind_speed > 0.0F ? fmt::format("{:.1f}", b.wind_speed) : "-",
+                   fmt::format("{:.0f}°", b.towards_degrees), fmt::to_string(b.trains), seconds_text(b.begin),
+                   seconds_text(b.end), fmt::format("{:.1f}", static_cast<double>(b.decay_us) * 1e-6)});
     return out + table.text();
 }
 
@@ -80,18 +92,26 @@ std::string report(const CommandReply& reply, const CtlOptions& options, SeaTime
     const bool timed = asked.us > -sea_time_bound;
     const int64_t deferred_us = timed ? reply.effective - asked : 0;
     if (options.json) {
-        Json out{{"effective_s", json_of(reply.effective)}, {"effective_us", reply.effective.us}, {"log_position", reply.log_position.value}};
+        Json out{{"effective_s", json_of(reply.effective)},
+                 {"effective_us", reply.effective.us},
+                 {"log_position", reply.log_position.value}};
         if (start || stop) out["box"] = reply.box.value;
         if (timed) out["deferred_s"] = static_cast<double>(deferred_us) * 1e-6;
         return as_text(out);
     }
     std::string out;
-    if (start) out = fmt::format("box {}: the wind starts at sea time {}\n", reply.box.value, sea_time_text(reply.effective));
-    if (stop) out = fmt::format("box {}: the decay starts at sea time {}\n", reply.box.value, sea_time_text(reply.effective));
+    if (start)
+        out = fmt::format("box {}: the wind starts at sea time {}\n", reply.box.value,
+                          sea_time_text(reply.effective));
+    if (stop)
+        out = fmt::format("box {}: the decay starts at sea time {}\n", reply.box.value,
+                          sea_time_text(reply.effective));
     if (const auto* time = std::get_if<CtlTime>(&options.action))
-        out = fmt::format("rate {:g} from sea time {} on\n", time->rate.value_or(1.0), sea_time_text(reply.effective));
+        out = fmt::format("rate {:g} from sea time {} on\n", time->rate.value_or(1.0),
+                          sea_time_text(reply.effective));
     if (deferred_us > 0)
-        out += fmt::format("deferred by {:.3f} s: nothing can take hold earlier any more\n", static_cast<double>(deferred_us) * 1e-6);
+        out += fmt::format("deferred by {:.3f} s: nothing can take hold earlier any more\n",
+                           static_cast<double>(deferred_us) * 1e-6);
     return out;
 }
 
@@ -107,17 +127,19 @@ std::string report(const ClockReply& reply, bool json) {
                         {"log_position", reply.log_position.value},
                         {"log_hash", fmt::format("{:016x}", reply.log_hash)}});
     return fmt::format(
-        "sea time   {}\nrate       {:g}{}\nepoch      {}\nwatermark  {}\nlog        {} events, hash {:016x}\n", sea_time_text(now), rate,
-        reply.clock.rate_q16 == 0 ? " (paused)" : "", reply.clock.epoch, sea_time_text(reply.watermark), reply.log_position.value,
-        reply.log_hash);
+        "sea time   {}\nrate       {:g}{}\nepoch      {}\nwatermark  {}\nlog        {} events, hash {:016x}\n",
+        sea_time_text(now), rate, reply.clock.rate_q16 == 0 ? " (paused)" : "", reply.clock.epoch,
+        sea_time_text(reply.watermark), reply.log_position.value, reply.log_hash);
 }
 
 std::string refusal(const CommandReply& reply) {
     const char* advice = "";
     if (reply.code == ErrorCode::token_required) advice = "; use --token-file FILE";
-    if (reply.code == ErrorCode::unknown_box || reply.code == ErrorCode::already_ending) advice = "; see trochoid-ctl list";
+    if (reply.code == ErrorCode::unknown_box || reply.code == ErrorCode::already_ending)
+        advice = "; see trochoid-ctl list";
     if (reply.code == ErrorCode::too_late) advice = "; ask for a later time, or leave out --or-refuse";
-    return fmt::format("the server refuses ({} {}): {}{}", static_cast<unsigned>(reply.code), error_class(reply.code), reply.message, advice);
+    return fmt::format("the server refuses ({} {}): {}{}", static_cast<unsigned>(reply.code),
+                       error_class(reply.code), reply.message, advice);
 }
 
 }  // namespace trochoid

@@ -27,7 +27,8 @@ int carry_out(BlockingLink& link, const CtlOptions& options, Command command, co
 }
 
 int run(const CtlOptions& options) {
-    BlockingLink link({options.server, fmt::format("trochoid-ctl {}", software_version()), options.token, options.patience});
+    BlockingLink link({options.server, fmt::format("trochoid-ctl {}", software_version()), options.token,
+                       options.patience});
     Command command;
     if (const auto* start = std::get_if<CtlStartWind>(&options.action)) {
         command.action = start->wind;

@@ -10,14 +10,15 @@ namespace {
 
 /// Code points of well-formed UTF-8 (names on the wire are checked to be that).
 size_t width_of(const std::string& text) {
-    return static_cast<size_t>(
-        std::count_if(text.begin(), text.end(), [](char c) { return (static_cast<unsigned char>(c) & 0xc0U) != 0x80U; }));
+    return static_cast<size_t>(std::count_if(
+        text.begin(), text.end(), [](char c) { return (static_cast<unsigned char>(c) & 0xc0U) != 0x80U; }));
 }
 
 }  // namespace
 
 void TextTable::add(std::vector<std::string> cells) {
-    TROCHOID_ASSERT(cells.size() == columns_.size(), "{} cells for {} columns", cells.size(), columns_.size());
+    TROCHOID_ASSERT(cells.size() == columns_.size(), "{} cells for {} columns", cells.size(),
+                    columns_.size());
     rows_.push_back(std::move(cells));
 }
 

@@ -34,7 +34,8 @@ glm::vec3 sun_direction() {
 }
 
 glm::vec2 ripple_axis(int number) {
-    constexpr std::array<glm::vec2, 3> first{glm::vec2(1.0F, 0.0F), glm::vec2(0.8F, 0.6F), glm::vec2(0.6F, 0.8F)};
+    constexpr std::array<glm::vec2, 3> first{glm::vec2(1.0F, 0.0F), glm::vec2(0.8F, 0.6F),
+                                             glm::vec2(0.6F, 0.8F)};
     glm::vec2 axis = first[static_cast<size_t>(number % 3)];
     for (int quarter = 0; quarter < number / 3 % 4; ++quarter) axis = {-axis.y, axis.x};
     return axis;
@@ -56,19 +57,24 @@ FrameUniforms make_uniforms(const FrameInputs& in) {
     FrameUniforms u;
     u.clip_from_camera = frame.clip_from_camera;
     u.camera_from_clip = frame.camera_from_clip;
-    const auto low = [](int64_t v) { return static_cast<int32_t>(static_cast<uint32_t>(static_cast<uint64_t>(v))); };
+    const auto low = [](int64_t v) {
+        return static_cast<int32_t>(static_cast<uint32_t>(static_cast<uint64_t>(v)));
+    };
     u.camera_cell = {frame.cell, low(frame.anchor.x), low(frame.anchor.z)};
     u.camera_eye = {frame.fraction, frame.altitude, static_cast<float>(0.5 / earth_radius)};
     u.mesh_cell = {eye.cell, 0, 0};
     u.mesh_eye = {eye.fraction, eye.altitude, 0.0F};
-    u.mesh_filter = {eye.filter.finest_spacing, eye.filter.angle_per_vertex, in.authoritative ? 1.0F : 0.0F, 0.0F};
+    u.mesh_filter = {eye.filter.finest_spacing, eye.filter.angle_per_vertex, in.authoritative ? 1.0F : 0.0F,
+                     0.0F};
     u.sun = glm::vec4(sun_direction(), 0.0F);
     u.bed_transform = bed_map_transform(in.bed, frame);
     u.ripple_axes = {ripple_axis(in.ripple_axis), ripple_axis(in.ripple_axis + 1)};
     const double seconds = static_cast<double>(in.now.us) / 1e6;
     // About the speeds of waves a fifth as long as the tiles.
-    u.scroll = {travelled(seconds, 0.26), travelled(seconds, 0.13), travelled(seconds, 0.068), travelled(seconds, 0.013)};
-    u.picture = {radians_per_pixel(in.camera), haze_at(in.camera.altitude_m), static_cast<float>(std::fmod(seconds, 4096.0)),
+    u.scroll = {travelled(seconds, 0.26), travelled(seconds, 0.13), travelled(seconds, 0.068),
+                travelled(seconds, 0.013)};
+    u.picture = {radians_per_pixel(in.camera), haze_at(in.camera.altitude_m),
+                 static_cast<float>(std::fmod(seconds, 4096.0)),
                  static_cast<float>(std::fmod(seconds, 200'000.0) * 0.004)};
     u.foam = {0.6F, 1.1F, 0.0F, 0.0F};
     return u;

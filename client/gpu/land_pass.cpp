@@ -11,7 +11,8 @@ constexpr uint64_t patience_frames = 300;
 
 }  // namespace
 
-LandPass::LandPass() : tile_uniform_(program_.uniform("tile")), height_unit_uniform_(program_.uniform("height_unit")) {
+LandPass::LandPass()
+    : tile_uniform_(program_.uniform("tile")), height_unit_uniform_(program_.uniform("height_unit")) {
     for (uint32_t quadrant = 0; quadrant < 4; ++quadrant)
         for (uint32_t i = 0; i < terrain_strides; ++i) {
             const std::vector<uint16_t> list = terrain_indices(quadrant, 1U << i);
@@ -33,7 +34,8 @@ LandPass::Tile& LandPass::tile_of(const std::shared_ptr<const TerrainTile>& sour
         glEnableVertexAttribArray(0);
         glVertexAttribIPointer(0, 2, GL_SHORT, sizeof(TerrainVertex), nullptr);
         glEnableVertexAttribArray(1);
-        glVertexAttribPointer(1, 3, GL_BYTE, GL_TRUE, sizeof(TerrainVertex), reinterpret_cast<const void*>(offsetof(TerrainVertex, nx)));
+        glVertexAttribPointer(1, 3, GL_BYTE, GL_TRUE, sizeof(TerrainVertex),
+                              reinterpret_cast<const void*>(offsetof(TerrainVertex, nx)));
     }
     return *tile;
 }
@@ -60,8 +62,10 @@ void LandPass::draw(const TerrainSelection& selection, const CameraFrame& frame,
         const int64_t side = int64_t{terrain_tile_cells} << draw.tile->spacing_log2;
         if (std::max(std::abs(x), std::abs(z)) + side > anchor_reach) continue;
         // A skirt as deep as its cells are wide hides any step between neighbours of unequal level.
-        const auto skirt = static_cast<GLint>((int64_t{1} << draw.tile->spacing_log2 << draw.stride_log2) / lattice_per_metre);
-        glUniform4i(tile_uniform_, static_cast<GLint>(x), static_cast<GLint>(z), static_cast<GLint>(draw.tile->spacing_log2), skirt);
+        const auto skirt = static_cast<GLint>((int64_t{1} << draw.tile->spacing_log2 << draw.stride_log2) /
+                                              lattice_per_metre);
+        glUniform4i(tile_uniform_, static_cast<GLint>(x), static_cast<GLint>(z),
+                    static_cast<GLint>(draw.tile->spacing_log2), skirt);
         glUniform1f(height_unit_uniform_, std::ldexp(1.0F, draw.tile->height_step_log2 - 10));
         const Indices& indices = indices_[draw.quadrant][draw.stride_log2];
         glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, indices.buffer.name());

@@ -26,7 +26,8 @@ void row(const char* name, const std::string& value) {
 /// "3 d 04:05:06.7"
 std::string time_text(SeaTime t) {
     const int64_t seconds = t.us / microseconds_per_second;
-    return fmt::format("{}{:02}:{:02}:{:04.1f}", seconds >= 86'400 ? fmt::format("{} d ", seconds / 86'400) : "", seconds / 3600 % 24,
+    return fmt::format("{}{:02}:{:02}:{:04.1f}",
+                       seconds >= 86'400 ? fmt::format("{} d ", seconds / 86'400) : "", seconds / 3600 % 24,
                        seconds / 60 % 60, static_cast<double>(t.us % (60 * microseconds_per_second)) * 1e-6);
 }
 
@@ -39,25 +40,32 @@ std::string bytes_text(double bytes) {
 void picture_rows(const OverlayContent& c) {
     row("Frames", fmt::format("{:.1f} /s   {:.1f} ms", c.frames_per_second, c.frame_ms));
     row("CPU, GPU", fmt::format("{:.1f} ms, {:.1f} ms", c.report.cpu_ms, c.report.gpu_ms));
-    row("Patches", fmt::format("{} drawn of {}   {} draws", c.report.patches_drawn, c.report.patches_known, c.report.draws));
+    row("Patches", fmt::format("{} drawn of {}   {} draws", c.report.patches_drawn, c.report.patches_known,
+                               c.report.draws));
     row("Triangles", fmt::format("sea {}   land {}", c.report.sea_triangles, c.report.land_triangles));
     row("Wave trains", fmt::format("{} in {} boxes", c.report.trains, c.report.boxes));
-    row("Land blocks", c.report.land_blocks_left_out == 0
-                           ? fmt::format("{}", c.report.land_blocks)
-                           : fmt::format("{}, no room for {}", c.report.land_blocks, c.report.land_blocks_left_out));
-    row("Vertex spacing", fmt::format("1/{:.0f} of the distance", 1.0 / static_cast<double>(std::max(c.report.vertex_angle, 1e-6F))));
-    row("Camera", fmt::format("x {:.1f}  z {:.1f}  {:.1f} m up  {:.0f} m/s", to_metres(c.camera.position.x), to_metres(c.camera.position.z),
-                              c.camera.altitude_m, c.speed));
+    row("Land blocks",
+        c.report.land_blocks_left_out == 0
+            ? fmt::format("{}", c.report.land_blocks)
+            : fmt::format("{}, no room for {}", c.report.land_blocks, c.report.land_blocks_left_out));
+    row("Vertex spacing", fmt::format("1/{:.0f} of the distance",
+                                      1.0 / static_cast<double>(std::max(c.report.vertex_angle, 1e-6F))));
+    row("Camera", fmt::format("x {:.1f}  z {:.1f}  {:.1f} m up  {:.0f} m/s", to_metres(c.camera.position.x),
+                              to_metres(c.camera.position.z), c.camera.altitude_m, c.speed));
 }
 
 void source_rows(const OverlayContent& c) {
     row("Sea time", time_text(c.now));
     row("Server", c.source.server_version.empty() ? "not known yet" : c.source.server_version);
     row("Link", c.source.state);
-    row("Received", fmt::format("{} /s   {} in all", bytes_text(c.source.bytes_per_second), bytes_text(static_cast<double>(c.source.bytes_received))));
+    row("Received", fmt::format("{} /s   {} in all", bytes_text(c.source.bytes_per_second),
+                                bytes_text(static_cast<double>(c.source.bytes_received))));
     row("Clock", fmt::format("within {:.1f} ms", c.source.clock_error_ms));
-    row("This client", c.source.fidelity == Fidelity::unknown ? "not compared yet" : fmt::format("{} viewer", name_of(c.source.fidelity)));
-    row("Results", fmt::format("{}   resyncs {}   log {}", c.source.deltas, c.source.resyncs, c.source.log_position));
+    row("This client", c.source.fidelity == Fidelity::unknown
+                           ? "not compared yet"
+                           : fmt::format("{} viewer", name_of(c.source.fidelity)));
+    row("Results",
+        fmt::format("{}   resyncs {}   log {}", c.source.deltas, c.source.resyncs, c.source.log_position));
     row("Culled by", fmt::format("{:.1f} px", static_cast<double>(c.source.error_in_force_px)));
 }
 
@@ -67,7 +75,9 @@ void key(const char* text, bool on) {
 }
 
 void legend(const char* text, Tint tint) {
-    ImGui::TextColored(ImVec4(static_cast<float>(tint[0]) / 255.0F, static_cast<float>(tint[1]) / 255.0F, static_cast<float>(tint[2]) / 255.0F, 1.0F), "%s", text);
+    ImGui::TextColored(ImVec4(static_cast<float>(tint[0]) / 255.0F, static_cast<float>(tint[1]) / 255.0F,
+                              static_cast<float>(tint[2]) / 255.0F, 1.0F),
+                       "%s", text);
     ImGui::SameLine();
 }
 
@@ -89,6 +99,36 @@ void key_rows(const OverlayContent& c) {
     ImGui::NewLine();
 }
 
+constexpr ImGuiWindowFlags plain_window = ImGuiWindowFlags_AlwaysAutoResize |
+                                          ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoCollapse |
+                                          ImGuiWindowFlags_NoNav;
+
+void draw_numbers(const OverlayContent& content) {
+    ImGui::SetNextWindowPos(ImVec2(12.0F, 12.0F), ImGuiCond_FirstUseEver);
+    ImGui::SetNextWindowBgAlpha(0.55F);
+    const std::string title = fmt::format("Trochoid {}###overlay", software_version());
+    ImGui::Begin(title.c_str(), nullptr, plain_window);
+    if (ImGui::BeginTable("numbers", 2, ImGuiTableFlags_SizingFixedFit)) {
+        picture_rows(content);
+        source_rows(content);
+        ImGui::EndTable();
+    }
+    ImGui::Separator();
+    key_rows(content);
+    ImGui::End();
+}
+
+/// At the picture's lower edge.
+void draw_notice(const std::string& text) {
+    const ImVec2 size = ImGui::GetIO().DisplaySize;
+    ImGui::SetNextWindowPos(ImVec2(size.x * 0.5F, size.y - 24.0F), ImGuiCond_Always, ImVec2(0.5F, 1.0F));
+    ImGui::SetNextWindowBgAlpha(0.7F);
+    ImGui::Begin("###notice", nullptr,
+                 plain_window | ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoInputs);
+    ImGui::TextUnformatted(text.c_str());
+    ImGui::End();
+}
+
 }  // namespace
 
 Overlay::Overlay(const Window* window) : windowed_(window != nullptr) {
@@ -105,7 +145,9 @@ Overlay::~Overlay() {
     ImGui::DestroyContext();
 }
 
-void Overlay::draw(const OverlayContent& content, uint32_t width, uint32_t height) {
+void Overlay::draw(const OverlayContent& content, bool numbers, uint32_t width, uint32_t height) {
+    const bool notice = !content.source.connected && !content.source.state.empty();
+    if (!numbers && !notice) return;
     ImGui_ImplOpenGL3_NewFrame();
     if (windowed_) {
         ImGui_ImplGlfw_NewFrame();
@@ -114,19 +156,8 @@ void Overlay::draw(const OverlayContent& content, uint32_t width, uint32_t heigh
         ImGui::GetIO().DeltaTime = std::max(static_cast<float>(content.frame_ms) * 1e-3F, 1e-4F);
     }
     ImGui::NewFrame();
-    ImGui::SetNextWindowPos(ImVec2(12.0F, 12.0F), ImGuiCond_FirstUseEver);
-    ImGui::SetNextWindowBgAlpha(0.55F);
-    constexpr ImGuiWindowFlags flags = ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoCollapse | ImGuiWindowFlags_NoNav;
-    const std::string title = fmt::format("Trochoid {}###overlay", software_version());
-    ImGui::Begin(title.c_str(), nullptr, flags);
-    if (ImGui::BeginTable("numbers", 2, ImGuiTableFlags_SizingFixedFit)) {
-        picture_rows(content);
-        source_rows(content);
-        ImGui::EndTable();
-    }
-    ImGui::Separator();
-    key_rows(content);
-    ImGui::End();
+    if (numbers) draw_numbers(content);
+    if (notice) draw_notice(content.source.state);
     ImGui::Render();
     ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
 }

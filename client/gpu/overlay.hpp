@@ -13,11 +13,11 @@ struct OverlayContent {
     SourceStatistics source;
     SeaTime now;
     Camera camera;
-    double speed = 0;              ///< of the camera, m/s
+    double speed = 0;  ///< of the camera, m/s
     double frames_per_second = 0;
     double frame_ms = 0;
     DrawOptions options;
-    bool frozen = false;           ///< culling camera
+    bool frozen = false;  ///< culling camera
 };
 
 /// Numbers over the picture (Dear ImGui). One at a time; works with a window and without.
@@ -29,8 +29,9 @@ public:
     Overlay& operator=(const Overlay&) = delete;
     ~Overlay();
 
-    /// Draws into the framebuffer at hand.
-    void draw(const OverlayContent& content, uint32_t width, uint32_t height);
+    /// Draws into the framebuffer at hand: the numbers where they are wanted, and what is wrong with the connection as long as
+    /// something is.
+    void draw(const OverlayContent& content, bool numbers, uint32_t width, uint32_t height);
 
 private:
     bool windowed_;

@@ -14,7 +14,9 @@ void write_png(const std::string& path, const Picture& picture) {
     image.height = picture.height;
     image.format = PNG_FORMAT_RGB;
     if (png_image_write_to_file(&image, path.c_str(), 0, picture.rgb.data(), 0, nullptr) == 0)
-        throw OperatorError(fmt::format("Cannot write the picture {}: {}. Name a file in a folder that you may write to.", path, image.message));
+        throw OperatorError(
+            fmt::format("Cannot write the picture {}: {}. Name a file in a folder that you may write to.",
+                        path, image.message));
 }
 
 }  // namespace trochoid

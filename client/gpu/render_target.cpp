@@ -16,15 +16,18 @@ void store(GLuint renderbuffer, GLenum format, uint32_t samples, uint32_t width,
 
 }  // namespace
 
-RenderTarget::RenderTarget(uint32_t width, uint32_t height, uint32_t samples) : width_(width), height_(height), samples_(samples) {
+RenderTarget::RenderTarget(uint32_t width, uint32_t height, uint32_t samples)
+    : width_(width), height_(height), samples_(samples) {
     glGenRenderbuffers(3, renderbuffers_);
     glGenFramebuffers(1, &drawn_);
     store(renderbuffers_[0], GL_RGBA8, samples, width, height);
     store(renderbuffers_[1], GL_DEPTH32F_STENCIL8, samples, width, height);
     glBindFramebuffer(GL_FRAMEBUFFER, drawn_);
     glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_RENDERBUFFER, renderbuffers_[0]);
-    glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_DEPTH_STENCIL_ATTACHMENT, GL_RENDERBUFFER, renderbuffers_[1]);
-    TROCHOID_ASSERT(glCheckFramebufferStatus(GL_FRAMEBUFFER) == GL_FRAMEBUFFER_COMPLETE, "{} x {} with {} samples", width, height, samples);
+    glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_DEPTH_STENCIL_ATTACHMENT, GL_RENDERBUFFER,
+                              renderbuffers_[1]);
+    TROCHOID_ASSERT(glCheckFramebufferStatus(GL_FRAMEBUFFER) == GL_FRAMEBUFFER_COMPLETE,
+                    "{} x {} with {} samples", width, height, samples);
     resolved_ = drawn_;
     if (samples > 1) {
         store(renderbuffers_[2], GL_RGBA8, 1, width, height);
@@ -59,18 +62,21 @@ void RenderTarget::resolve() const {
 void RenderTarget::copy_to_window(uint32_t window_width, uint32_t window_height) const {
     glBindFramebuffer(GL_READ_FRAMEBUFFER, resolved_);
     glBindFramebuffer(GL_DRAW_FRAMEBUFFER, 0);
-    glBlitFramebuffer(0, 0, static_cast<GLint>(width_), static_cast<GLint>(height_), 0, 0, static_cast<GLint>(window_width),
-                      static_cast<GLint>(window_height), GL_COLOR_BUFFER_BIT, GL_NEAREST);
+    glBlitFramebuffer(0, 0, static_cast<GLint>(width_), static_cast<GLint>(height_), 0, 0,
+                      static_cast<GLint>(window_width), static_cast<GLint>(window_height),
+                      GL_COLOR_BUFFER_BIT, GL_NEAREST);
 }
 
 Picture RenderTarget::read() const {
     Picture picture{width_, height_, std::vector<uint8_t>(size_t{width_} * height_ * 3)};
     glBindFramebuffer(GL_READ_FRAMEBUFFER, resolved_);
     glPixelStorei(GL_PACK_ALIGNMENT, 1);
-    glReadPixels(0, 0, static_cast<GLsizei>(width_), static_cast<GLsizei>(height_), GL_RGB, GL_UNSIGNED_BYTE, picture.rgb.data());
+    glReadPixels(0, 0, static_cast<GLsizei>(width_), static_cast<GLsizei>(height_), GL_RGB, GL_UNSIGNED_BYTE,
+                 picture.rgb.data());
     const size_t row = size_t{width_} * 3;
     for (size_t top = 0, bottom = height_ - 1; top < bottom; ++top, --bottom)
-        std::swap_ranges(picture.rgb.begin() + static_cast<ptrdiff_t>(top * row), picture.rgb.begin() + static_cast<ptrdiff_t>((top + 1) * row),
+        std::swap_ranges(picture.rgb.begin() + static_cast<ptrdiff_t>(top * row),
+                         picture.rgb.begin() + static_cast<ptrdiff_t>((top + 1) * row),
                          picture.rgb.begin() + static_cast<ptrdiff_t>(bottom * row));
     return picture;
 }

@@ -36,8 +36,8 @@ private:
     uint32_t width_;
     uint32_t height_;
     uint32_t samples_;
-    GLuint drawn_ = 0;     // framebuffer that passes draw into
-    GLuint resolved_ = 0;  // the same one without multisampling
+    GLuint drawn_ = 0;                     // framebuffer that passes draw into
+    GLuint resolved_ = 0;                  // the same one without multisampling
     GLuint renderbuffers_[3] = {0, 0, 0};  // drawn colour, depth and stencil, resolved colour
 };
 

@@ -23,13 +23,19 @@ public:
 
     /// Draws what the input shows from a camera. `culling_camera` is the one that the mesh is made for: usually the same,
     /// frozen where a debug view wants to see from outside what is drawn.
-    FrameReport draw(const RenderTarget& target, const SceneInput& input, const Camera& camera, const Camera& culling_camera,
-                     const DrawOptions& options);
+    FrameReport draw(const RenderTarget& target, const SceneInput& input, const Camera& camera,
+                     const Camera& culling_camera, const DrawOptions& options);
 
     DepthRange depth_range() const { return depth_range_; }
 
 private:
+    struct Chosen;
     void take_over(const SceneInput& input);
+    Chosen choose(const SceneInput& input, const Camera& camera, const Camera& culling_camera,
+                  const DrawOptions& options) const;
+    void upload(const Chosen& chosen, const Camera& camera, SeaTime now, bool authoritative);
+    void draw_passes(const Chosen& chosen, const Camera& camera, const DrawOptions& options);
+    FrameReport report_of(const Chosen& chosen) const;
     void begin_gpu_time();
     void end_gpu_time();
 

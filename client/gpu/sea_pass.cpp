@@ -15,7 +15,8 @@ void upload_ripples(const GlTexture& texture, const RippleMap& map) {
     texture.bind(GL_TEXTURE_2D, ripples_unit);
     auto side = static_cast<GLsizei>(map.side);
     for (size_t level = 0; level < map.levels.size(); ++level, side = std::max(side / 2, 1))
-        glTexImage2D(GL_TEXTURE_2D, static_cast<GLint>(level), GL_RGBA16F, side, side, 0, GL_RGBA, GL_FLOAT, map.levels[level].data());
+        glTexImage2D(GL_TEXTURE_2D, static_cast<GLint>(level), GL_RGBA16F, side, side, 0, GL_RGBA, GL_FLOAT,
+                     map.levels[level].data());
     glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR_MIPMAP_LINEAR);
     glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
     glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, GL_REPEAT);
@@ -32,8 +33,12 @@ SeaBuffers::SeaBuffers() {
     set_lists({});
 }
 
-void SeaBuffers::set_records(const std::vector<RecordTexel>& records) { records_.fill(std::span(records), GL_STREAM_DRAW); }
-void SeaBuffers::set_lists(const std::vector<ListTexel>& lists) { lists_.fill(std::span(lists), GL_DYNAMIC_DRAW); }
+void SeaBuffers::set_records(const std::vector<RecordTexel>& records) {
+    records_.fill(std::span(records), GL_STREAM_DRAW);
+}
+void SeaBuffers::set_lists(const std::vector<ListTexel>& lists) {
+    lists_.fill(std::span(lists), GL_DYNAMIC_DRAW);
+}
 
 void SeaBuffers::set_land(const LandTable& land) {
     slots_.fill(std::span(land.slots()), GL_DYNAMIC_DRAW);
@@ -43,10 +48,12 @@ void SeaBuffers::set_land(const LandTable& land) {
 void SeaBuffers::set_bed(const BedMap& bed) {
     bed_.bind(GL_TEXTURE_2D, bed_unit);
     glPixelStorei(GL_UNPACK_ALIGNMENT, 4);
-    glTexImage2D(GL_TEXTURE_2D, 0, GL_R32F, static_cast<GLsizei>(bed.columns), static_cast<GLsizei>(bed.rows), 0, GL_RED, GL_FLOAT,
-                 bed.heights.data());
-    for (const auto axis : std::array<GLenum, 2>{GL_TEXTURE_WRAP_S, GL_TEXTURE_WRAP_T}) glTexParameteri(GL_TEXTURE_2D, axis, GL_CLAMP_TO_EDGE);
-    for (const auto filter : std::array<GLenum, 2>{GL_TEXTURE_MIN_FILTER, GL_TEXTURE_MAG_FILTER}) glTexParameteri(GL_TEXTURE_2D, filter, GL_LINEAR);
+    glTexImage2D(GL_TEXTURE_2D, 0, GL_R32F, static_cast<GLsizei>(bed.columns), static_cast<GLsizei>(bed.rows),
+                 0, GL_RED, GL_FLOAT, bed.heights.data());
+    for (const auto axis : std::array<GLenum, 2>{GL_TEXTURE_WRAP_S, GL_TEXTURE_WRAP_T})
+        glTexParameteri(GL_TEXTURE_2D, axis, GL_CLAMP_TO_EDGE);
+    for (const auto filter : std::array<GLenum, 2>{GL_TEXTURE_MIN_FILTER, GL_TEXTURE_MAG_FILTER})
+        glTexParameteri(GL_TEXTURE_2D, filter, GL_LINEAR);
 }
 
 void SeaBuffers::bind() const {
@@ -103,14 +110,17 @@ void FarSeaPass::draw(float radius_m) {
             for (uint32_t sector = 0; sector <= sectors; ++sector) {
                 // 0, then from 30 m outwards by equal ratios.
                 const double share = static_cast<double>(ring) / rings;
-                const double r = ring == 0 ? 0.0 : 30.0 * std::pow(static_cast<double>(radius_m) / 30.0, share);
-                vertices.emplace_back(static_cast<float>(r), static_cast<float>(6.283185307179586 * sector / sectors));
+                const double r =
+                    ring == 0 ? 0.0 : 30.0 * std::pow(static_cast<double>(radius_m) / 30.0, share);
+                vertices.emplace_back(static_cast<float>(r),
+                                      static_cast<float>(6.283185307179586 * sector / sectors));
             }
         for (uint32_t ring = 0; ring < rings; ++ring)
             for (uint32_t sector = 0; sector < sectors; ++sector) {
                 const auto a = static_cast<uint16_t>(ring * (sectors + 1) + sector);
                 const auto b = static_cast<uint16_t>(a + sectors + 1);
-                for (const uint16_t i : {a, b, static_cast<uint16_t>(a + 1), static_cast<uint16_t>(a + 1), b, static_cast<uint16_t>(b + 1)})
+                for (const uint16_t i : {a, b, static_cast<uint16_t>(a + 1), static_cast<uint16_t>(a + 1), b,
+                                         static_cast<uint16_t>(b + 1)})
                     indices.push_back(i);
             }
         vertices_.fill(GL_ARRAY_BUFFER, std::span<const glm::vec2>(vertices), GL_STATIC_DRAW);

@@ -61,7 +61,8 @@ void set_units(GLuint program) {
 
 }  // namespace
 
-ShaderProgram::ShaderProgram(std::initializer_list<std::string_view> stages, const Options& options) : name_(glCreateProgram()) {
+ShaderProgram::ShaderProgram(std::initializer_list<std::string_view> stages, const Options& options)
+    : name_(glCreateProgram()) {
     std::string prelude = "#version 410 core\n";
     prelude += fmt::format("#define TRAIN_ROW {}\n", train_row_texels);
     for (const std::string& define : options.defines) prelude += "#define " + define + "\n";
@@ -71,8 +72,8 @@ ShaderProgram::ShaderProgram(std::initializer_list<std::string_view> stages, con
         glDeleteShader(shader);
     }
     if (!options.captured_outputs.empty())
-        glTransformFeedbackVaryings(name_, static_cast<GLsizei>(options.captured_outputs.size()), options.captured_outputs.data(),
-                                    GL_INTERLEAVED_ATTRIBS);
+        glTransformFeedbackVaryings(name_, static_cast<GLsizei>(options.captured_outputs.size()),
+                                    options.captured_outputs.data(), GL_INTERLEAVED_ATTRIBS);
     glLinkProgram(name_);
     GLint linked = GL_FALSE;
     glGetProgramiv(name_, GL_LINK_STATUS, &linked);

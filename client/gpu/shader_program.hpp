@@ -17,7 +17,8 @@ public:
         std::vector<std::string> defines;           ///< "NAME VALUE"
         std::vector<const char*> captured_outputs;  ///< for transform feedback, interleaved
     };
-    explicit ShaderProgram(std::initializer_list<std::string_view> stages) : ShaderProgram(stages, Options{}) {}
+    explicit ShaderProgram(std::initializer_list<std::string_view> stages)
+        : ShaderProgram(stages, Options{}) {}
     ShaderProgram(std::initializer_list<std::string_view> stages, const Options& options);
     ShaderProgram(const ShaderProgram&) = delete;
     ShaderProgram& operator=(const ShaderProgram&) = delete;

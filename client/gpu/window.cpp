@@ -25,7 +25,8 @@ std::string why() {
 
 Window::Window(const std::string& title, uint32_t width, uint32_t height) {
     if (glfwInit() != GLFW_TRUE)
-        throw OperatorError(fmt::format("Cannot open a window: {}. Without a display use --offscreen.", why()));
+        throw OperatorError(
+            fmt::format("Cannot open a window: {}. Without a display use --offscreen.", why()));
     glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 4);
     glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 1);
     glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
@@ -33,11 +34,14 @@ Window::Window(const std::string& title, uint32_t width, uint32_t height) {
     // Everything is drawn elsewhere and copied here.
     glfwWindowHint(GLFW_DEPTH_BITS, 0);
     glfwWindowHint(GLFW_STENCIL_BITS, 0);
-    window_ = glfwCreateWindow(static_cast<int>(width), static_cast<int>(height), title.c_str(), nullptr, nullptr);
+    window_ =
+        glfwCreateWindow(static_cast<int>(width), static_cast<int>(height), title.c_str(), nullptr, nullptr);
     if (window_ == nullptr) {
         const std::string reason = why();
         glfwTerminate();
-        throw OperatorError(fmt::format("Cannot open a window with OpenGL 4.1: {}. Update the graphics driver, or use --offscreen.", reason));
+        throw OperatorError(fmt::format(
+            "Cannot open a window with OpenGL 4.1: {}. Update the graphics driver, or use --offscreen.",
+            reason));
     }
     glfwMakeContextCurrent(window_);
     glfwSwapInterval(1);
@@ -60,7 +64,9 @@ bool Window::held(int key) const { return glfwGetKey(window_, key) == GLFW_PRESS
 FlyInput Window::take_input() {
     FlyInput input;
     const auto axis = [this](std::initializer_list<int> more, std::initializer_list<int> less) {
-        const auto any = [this](std::initializer_list<int> keys) { return std::any_of(keys.begin(), keys.end(), [this](int k) { return held(k); }); };
+        const auto any = [this](std::initializer_list<int> keys) {
+            return std::any_of(keys.begin(), keys.end(), [this](int k) { return held(k); });
+        };
         return (any(more) ? 1.0 : 0.0) - (any(less) ? 1.0 : 0.0);
     };
     input.ahead = axis({GLFW_KEY_W, GLFW_KEY_UP}, {GLFW_KEY_S, GLFW_KEY_DOWN});
@@ -68,8 +74,10 @@ FlyInput Window::take_input() {
     input.up = axis({GLFW_KEY_E, GLFW_KEY_PAGE_UP}, {GLFW_KEY_Q, GLFW_KEY_PAGE_DOWN});
     input.fast = held(GLFW_KEY_LEFT_SHIFT) || held(GLFW_KEY_RIGHT_SHIFT);
     input.wheel = std::exchange(wheel_, 0.0);
-    const bool steering = glfwGetMouseButton(window_, GLFW_MOUSE_BUTTON_LEFT) == GLFW_PRESS || glfwGetMouseButton(window_, GLFW_MOUSE_BUTTON_RIGHT) == GLFW_PRESS;
-    if (steering != steering_) glfwSetInputMode(window_, GLFW_CURSOR, steering ? GLFW_CURSOR_DISABLED : GLFW_CURSOR_NORMAL);
+    const bool steering = glfwGetMouseButton(window_, GLFW_MOUSE_BUTTON_LEFT) == GLFW_PRESS ||
+                          glfwGetMouseButton(window_, GLFW_MOUSE_BUTTON_RIGHT) == GLFW_PRESS;
+    if (steering != steering_)
+        glfwSetInputMode(window_, GLFW_CURSOR, steering ? GLFW_CURSOR_DISABLED : GLFW_CURSOR_NORMAL);
     double x = 0;
     double y = 0;
     glfwGetCursorPos(window_, &x, &y);
@@ -103,7 +111,8 @@ void Window::on_key(GLFWwindow* window, int key, int /*scancode*/, int action, i
     if (action != GLFW_PRESS) return;
     if (key == GLFW_KEY_ESCAPE) glfwSetWindowShouldClose(window, GLFW_TRUE);
     if (key >= GLFW_KEY_F1 && key <= GLFW_KEY_F7)
-        static_cast<Window*>(glfwGetWindowUserPointer(window))->toggles_.push_back(static_cast<Toggle>(key - GLFW_KEY_F1));
+        static_cast<Window*>(glfwGetWindowUserPointer(window))
+            ->toggles_.push_back(static_cast<Toggle>(key - GLFW_KEY_F1));
 }
 
 void Window::on_scroll(GLFWwindow* window, double /*x*/, double y) {

@@ -64,8 +64,9 @@ struct BlockingLink::Impl {
     [[noreturn]] void fail() const {
         const bool unreachable = hello.session == 0 && end->cause == CloseCause::lost;
         if (end->cause == CloseCause::server_goodbye)
-            throw LinkError(fmt::format("the server at {} says: {}", to_text(options.server), end->goodbye.message),
-                            end->goodbye.code, false);
+            throw LinkError(
+                fmt::format("the server at {} says: {}", to_text(options.server), end->goodbye.message),
+                end->goodbye.code, false);
         throw LinkError(end->goodbye.message, end->goodbye.code, unreachable);
     }
 
@@ -82,9 +83,10 @@ struct BlockingLink::Impl {
             }
             if (end) fail();
             if (news.wait_until(lock, until) == std::cv_status::timeout && inbox.empty() && !end)
-                throw LinkError(fmt::format("the server at {} gave no {} within {} s: try again, or look at its log",
-                                            to_text(options.server), what, options.patience.count() / 1000),
-                                ErrorCode::none, false);
+                throw LinkError(
+                    fmt::format("the server at {} gave no {} within {} s: try again, or look at its log",
+                                to_text(options.server), what, options.patience.count() / 1000),
+                    ErrorCode::none, false);
         }
     }
 };
@@ -92,10 +94,10 @@ struct BlockingLink::Impl {
 BlockingLink::BlockingLink(LinkOptions options) : impl_(std::make_unique<Impl>()) {
     Impl& my = *impl_;
     my.options = std::move(options);
-    my.connection = Connection::open(
-        my.loop, my.options.server,
-        {[] {}, [&my](ServerMessage message, int64_t) { my.take(std::move(message)); },
-         [&my](const Goodbye& goodbye, CloseCause cause) { my.close(goodbye, cause); }});
+    my.connection =
+        Connection::open(my.loop, my.options.server,
+                         {[] {}, [&my](ServerMessage message, int64_t) { my.take(std::move(message)); },
+                          [&my](const Goodbye& goodbye, CloseCause cause) { my.close(goodbye, cause); }});
     ClientHello hello;
     hello.protocol_min = protocol_version_min;
     hello.protocol_max = protocol_version_max;
@@ -148,7 +150,8 @@ BoxList BlockingLink::list() {
     my.post(command);
     BoxList list;
     my.await("list of boxes", [&](ServerMessage& message) {
-        if (const auto* refused = std::get_if<CommandReply>(&message); refused && refused->sequence == my.sequence)
+        if (const auto* refused = std::get_if<CommandReply>(&message);
+            refused && refused->sequence == my.sequence)
             throw LinkError(refused->message, refused->code, false);
         auto* piece = std::get_if<BoxList>(&message);
         if (piece == nullptr || piece->sequence != my.sequence) return false;

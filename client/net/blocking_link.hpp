@@ -24,9 +24,10 @@ private:
 
 struct LinkOptions {
     Endpoint server;
-    std::string software;                 ///< name and version for the hello
-    std::string token;                    ///< empty: viewer
-    std::chrono::milliseconds patience{10000};  ///< for each answer; tracing land for a new wind takes a while
+    std::string software;  ///< name and version for the hello
+    std::string token;     ///< empty: viewer
+    std::chrono::milliseconds patience{
+        10000};  ///< for each answer; tracing land for a new wind takes a while
 };
 
 /// A camera that sees no water (high up, looking at the sky), for clients that want none but their sync regions'.

@@ -23,7 +23,12 @@ using ErrorOfSystem = boost::system::error_code;
 
 struct Connection::Impl {
     Impl(NetLoop& l, Endpoint e, Events v)
-        : loop(l), endpoint(std::move(e)), events(std::move(v)), resolver(l.impl().io), socket(l.impl().io), deadline(l.impl().io) {}
+        : loop(l),
+          endpoint(std::move(e)),
+          events(std::move(v)),
+          resolver(l.impl().io),
+          socket(l.impl().io),
+          deadline(l.impl().io) {}
 
     NetLoop& loop;
     Endpoint endpoint;
@@ -36,8 +41,8 @@ struct Connection::Impl {
     std::array<uint8_t, 16384> chunk{};
     Bytes waiting{stream_magic.begin(), stream_magic.end()};  // what the next write takes
     Bytes writing;
-    bool standing = false;             // connected, reading and writing
-    std::optional<Goodbye> parting;    // our goodbye is on its way; nothing is handed on any more
+    bool standing = false;           // connected, reading and writing
+    std::optional<Goodbye> parting;  // our goodbye is on its way; nothing is handed on any more
     CloseCause cause = CloseCause::closed_here;
     bool finished = false;
     std::atomic<uint64_t> bytes_received{0}, bytes_sent{0}, frames_received{0}, frames_sent{0};
@@ -60,8 +65,8 @@ void Connection::expect_within_patience(const char* what) {
     impl_->deadline.async_wait([weak = weak_from_this(), what](const ErrorOfSystem& error) {
         const auto self = weak.lock();
         if (error || !self) return;
-        self->lose(fmt::format("{} at {} within {} s: check --connect and whether trochoid-server runs there", what,
-                               self->impl_->server(), patience.count()));
+        self->lose(fmt::format("{} at {} within {} s: check --connect and whether trochoid-server runs there",
+                               what, self->impl_->server(), patience.count()));
     });
 }
 
@@ -76,17 +81,19 @@ void Connection::dial() {
             Impl& its = *self->impl_;
             if (its.finished) return;
             if (error) {
-                self->lose(fmt::format("there is no host '{}' ({}): check --connect", its.endpoint.host, error.message()));
+                self->lose(fmt::format("there is no host '{}' ({}): check --connect", its.endpoint.host,
+                                       error.message()));
                 return;
             }
             asio::async_connect(its.socket, found, [self](const ErrorOfSystem& failed, const tcp::endpoint&) {
                 if (self->impl_->finished) return;
                 if (failed)
-                    self->lose(failed == asio::error::connection_refused
-                                   ? fmt::format("nothing listens at {}: start trochoid-server or check --connect",
-                                                 self->impl_->server())
-                                   : fmt::format("cannot connect to {} ({}): check --connect", self->impl_->server(),
-                                                 failed.message()));
+                    self->lose(
+                        failed == asio::error::connection_refused
+                            ? fmt::format("nothing listens at {}: start trochoid-server or check --connect",
+                                          self->impl_->server())
+                            : fmt::format("cannot connect to {} ({}): check --connect", self->impl_->server(),
+                                          failed.message()));
                 else
                     self->start();
             });
@@ -106,7 +113,8 @@ void Connection::start() {
 
 void Connection::read_some() {
     Impl& my = *impl_;
-    my.socket.async_read_some(asio::buffer(my.chunk), [self = shared_from_this()](const ErrorOfSystem& error, size_t count) {
+    my.socket.async_read_some(asio::buffer(my.chunk), [self = shared_from_this()](const ErrorOfSystem& error,
+                                                                                  size_t count) {
         Impl& its = *self->impl_;
         if (its.finished) return;
         its.bytes_received.fetch_add(count, std::memory_order_relaxed);
@@ -137,7 +145,8 @@ void Connection::take(size_t count) {
         if (!message) return refuse(message.error());
         if (const auto may = expected(my.phase, *message); !may) return refuse(may.error());
         my.phase = phase_after(my.phase, *message);
-        if (const auto* goodbye = std::get_if<Goodbye>(&*message)) return finish(*goodbye, CloseCause::server_goodbye);
+        if (const auto* goodbye = std::get_if<Goodbye>(&*message))
+            return finish(*goodbye, CloseCause::server_goodbye);
         if (const auto* hello = std::get_if<ServerHello>(&*message)) {
             my.deadline.cancel();
             my.frames.set_longest(hello->limits.frame_to_client);
@@ -152,7 +161,8 @@ void Connection::send(const ClientMessage& message) {
     if (my.finished || my.parting) return;
     const Bytes framed = frame(encode(message));
     if (my.waiting.size() + framed.size() > most_waiting) {
-        lose(fmt::format("the server at {} takes nothing more ({} bytes wait for it)", my.server(), my.waiting.size()));
+        lose(fmt::format("the server at {} takes nothing more ({} bytes wait for it)", my.server(),
+                         my.waiting.size()));
         return;
     }
     my.waiting.insert(my.waiting.end(), framed.begin(), framed.end());
@@ -185,8 +195,9 @@ void Connection::close(const Goodbye& goodbye) { part(goodbye, CloseCause::close
 void Connection::refuse(const Error& error) {
     Goodbye goodbye = goodbye_for(error);
     if (impl_->phase == SessionPhase::awaiting_hello)
-        goodbye.message = fmt::format("what listens at {} does not speak Trochoid's protocol ({}): check --connect",
-                                      impl_->server(), error.message);
+        goodbye.message =
+            fmt::format("what listens at {} does not speak Trochoid's protocol ({}): check --connect",
+                        impl_->server(), error.message);
     part(goodbye, CloseCause::refused_server);
 }
 
@@ -227,8 +238,11 @@ void Connection::finish(const Goodbye& goodbye, CloseCause cause) {
 }
 
 Traffic Connection::traffic() const {
-    const auto read = [](const std::atomic<uint64_t>& counter) { return counter.load(std::memory_order_relaxed); };
-    return {read(impl_->bytes_received), read(impl_->bytes_sent), read(impl_->frames_received), read(impl_->frames_sent)};
+    const auto read = [](const std::atomic<uint64_t>& counter) {
+        return counter.load(std::memory_order_relaxed);
+    };
+    return {read(impl_->bytes_received), read(impl_->bytes_sent), read(impl_->frames_received),
+            read(impl_->frames_sent)};
 }
 
 }  // namespace trochoid

@@ -10,8 +10,8 @@ namespace trochoid {
 
 Endpoint parse_endpoint(std::string_view text) {
     const auto fail = [text] {
-        return OperatorError(
-            fmt::format("'{}' is not an address: give HOST:PORT, such as 127.0.0.1:7421 or [::1]:7421", text));
+        return OperatorError(fmt::format(
+            "'{}' is not an address: give HOST:PORT, such as 127.0.0.1:7421 or [::1]:7421", text));
     };
     const size_t colon = text.rfind(':');
     if (colon == std::string_view::npos || colon == 0) throw fail();
@@ -31,7 +31,8 @@ Endpoint parse_endpoint(std::string_view text) {
 
 std::string to_text(const Endpoint& endpoint) {
     const bool v6 = endpoint.host.find(':') != std::string::npos;
-    return v6 ? fmt::format("[{}]:{}", endpoint.host, endpoint.port) : fmt::format("{}:{}", endpoint.host, endpoint.port);
+    return v6 ? fmt::format("[{}]:{}", endpoint.host, endpoint.port)
+              : fmt::format("{}:{}", endpoint.host, endpoint.port);
 }
 
 }  // namespace trochoid

@@ -28,7 +28,8 @@ Trust WaterSampler::trust(LatticePoint place) const {
     const SeaTime t = instant_.time();
     const auto& regions = snapshot_->regions;
     const bool kept = t >= snapshot_->key.from - sync_history_us;
-    if (kept && std::any_of(regions.begin(), regions.end(), [&](const SyncRegion& r) { return contains(r, place); }))
+    if (kept &&
+        std::any_of(regions.begin(), regions.end(), [&](const SyncRegion& r) { return contains(r, place); }))
         return Trust::exact;
     // A patch's bound speaks of its key's span of time only.
     const bool in_span = t >= snapshot_->key.from && t < snapshot_->key.until;

@@ -14,9 +14,9 @@ struct BedMap {
     uint32_t columns = 1;
     uint32_t rows = 1;
     std::vector<float> heights{-60.0F};
-    int64_t origin_x = 0;   ///< lattice units of sample [0][0]
+    int64_t origin_x = 0;  ///< lattice units of sample [0][0]
     int64_t origin_z = 0;
-    double spacing_m = 1;   ///< between samples
+    double spacing_m = 1;  ///< between samples
     bool operator==(const BedMap&) const = default;
 };
 
@@ -24,7 +24,8 @@ struct BedMap {
 inline constexpr uint32_t bed_map_side = 1024;
 
 /// Open sea where no tile is known. Finer tiles win over coarser ones.
-BedMap make_bed_map(const TerrainExtent& extent, const std::vector<std::shared_ptr<const TerrainTile>>& tiles);
+BedMap make_bed_map(const TerrainExtent& extent,
+                    const std::vector<std::shared_ptr<const TerrainTile>>& tiles);
 
 /// (scale, scale, offset, offset): texture coordinates = metres from the anchor * scale + offset.
 glm::vec4 bed_map_transform(const BedMap& map, const CameraFrame& frame);

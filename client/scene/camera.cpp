@@ -35,7 +35,9 @@ glm::mat4 reversed_projection(float tan_x, float tan_y) {
     return m;
 }
 
-float tan_half_height(const Camera& camera) { return static_cast<float>(std::tan(camera.vertical_angle / 2)); }
+float tan_half_height(const Camera& camera) {
+    return static_cast<float>(std::tan(camera.vertical_angle / 2));
+}
 float tan_half_width(const Camera& camera) {
     return tan_half_height(camera) * static_cast<float>(camera.width) / static_cast<float>(camera.height);
 }
@@ -49,14 +51,16 @@ void move(Camera& camera, double east_m, double up_m, double south_m) {
 }
 
 glm::dvec3 forward_of(const Camera& camera) {
-    return {std::sin(camera.yaw) * std::cos(camera.pitch), std::sin(camera.pitch), -std::cos(camera.yaw) * std::cos(camera.pitch)};
+    return {std::sin(camera.yaw) * std::cos(camera.pitch), std::sin(camera.pitch),
+            -std::cos(camera.yaw) * std::cos(camera.pitch)};
 }
 
 ViewState view_of(const Camera& camera, glm::dvec3 velocity) {
     ViewState view;
     view.position = camera.position;
     view.altitude = static_cast<int32_t>(to_lattice(camera.altitude_m));
-    const glm::dquat turn = glm::angleAxis(-camera.yaw, glm::dvec3(0, 1, 0)) * glm::angleAxis(camera.pitch, glm::dvec3(1, 0, 0));
+    const glm::dquat turn =
+        glm::angleAxis(-camera.yaw, glm::dvec3(0, 1, 0)) * glm::angleAxis(camera.pitch, glm::dvec3(1, 0, 0));
     view.qx = static_cast<float>(turn.x);
     view.qy = static_cast<float>(turn.y);
     view.qz = static_cast<float>(turn.z);
@@ -73,15 +77,19 @@ ViewState view_of(const Camera& camera, glm::dvec3 velocity) {
 
 CameraFrame frame_of(const Camera& camera, DepthRange range) {
     return frame_of(camera, range,
-                    {(camera.position.x >> anchor_log2) << anchor_log2, (camera.position.z >> anchor_log2) << anchor_log2});
+                    {(camera.position.x >> anchor_log2) << anchor_log2, (camera.position.z >> anchor_log2)
+                                                                            << anchor_log2});
 }
 
-float radians_per_pixel(const Camera& camera) { return 2.0F * tan_half_height(camera) / static_cast<float>(camera.height); }
+float radians_per_pixel(const Camera& camera) {
+    return 2.0F * tan_half_height(camera) / static_cast<float>(camera.height);
+}
 
 CameraFrame frame_of(const Camera& camera, DepthRange range, LatticePoint anchor) {
     CameraFrame frame;
     frame.anchor = anchor;
-    frame.cell = {static_cast<int32_t>(camera.position.x - frame.anchor.x), static_cast<int32_t>(camera.position.z - frame.anchor.z)};
+    frame.cell = {static_cast<int32_t>(camera.position.x - frame.anchor.x),
+                  static_cast<int32_t>(camera.position.z - frame.anchor.z)};
     frame.fraction = {static_cast<float>(camera.fraction_x), static_cast<float>(camera.fraction_z)};
     frame.altitude = static_cast<float>(camera.altitude_m);
     const glm::dvec3 forward = forward_of(camera);
@@ -91,10 +99,10 @@ CameraFrame frame_of(const Camera& camera, DepthRange range, LatticePoint anchor
     const float tan_x = tan_half_width(camera);
     const float tan_y = tan_half_height(camera);
     const auto near = static_cast<float>(near_m);
-    const glm::mat4 projection =
-        range == DepthRange::reversed_zero_to_one
-            ? reversed_projection(tan_x, tan_y)
-            : glm::frustumRH_NO(-tan_x * near, tan_x * near, -tan_y * near, tan_y * near, near, static_cast<float>(far_m));
+    const glm::mat4 projection = range == DepthRange::reversed_zero_to_one
+                                     ? reversed_projection(tan_x, tan_y)
+                                     : glm::frustumRH_NO(-tan_x * near, tan_x * near, -tan_y * near,
+                                                         tan_y * near, near, static_cast<float>(far_m));
     frame.clip_from_camera = projection * turn;
     frame.camera_from_clip = glm::inverse(frame.clip_from_camera);
     frame.forward = glm::vec3(forward);
@@ -102,13 +110,17 @@ CameraFrame frame_of(const Camera& camera, DepthRange range, LatticePoint anchor
 }
 
 glm::vec2 metres_from_anchor(const CameraFrame& frame, LatticePoint p) {
-    return {static_cast<float>(to_metres(p.x - frame.anchor.x)), static_cast<float>(to_metres(p.z - frame.anchor.z))};
+    return {static_cast<float>(to_metres(p.x - frame.anchor.x)),
+            static_cast<float>(to_metres(p.z - frame.anchor.z))};
 }
 
 glm::vec3 metres_from_camera(const CameraFrame& frame, LatticePoint p, double height_m) {
-    const double x = static_cast<double>(p.x - frame.anchor.x - frame.cell.x) - static_cast<double>(frame.fraction.x);
-    const double z = static_cast<double>(p.z - frame.anchor.z - frame.cell.y) - static_cast<double>(frame.fraction.y);
-    return {static_cast<float>(x / 1024), static_cast<float>(height_m - static_cast<double>(frame.altitude)), static_cast<float>(z / 1024)};
+    const double x =
+        static_cast<double>(p.x - frame.anchor.x - frame.cell.x) - static_cast<double>(frame.fraction.x);
+    const double z =
+        static_cast<double>(p.z - frame.anchor.z - frame.cell.y) - static_cast<double>(frame.fraction.y);
+    return {static_cast<float>(x / 1024), static_cast<float>(height_m - static_cast<double>(frame.altitude)),
+            static_cast<float>(z / 1024)};
 }
 
 }  // namespace trochoid

@@ -12,14 +12,14 @@ namespace trochoid {
 
 /// Where the viewer stands and looks. Exact anywhere in the world: whole lattice units plus a fraction.
 struct Camera {
-    LatticePoint position;   ///< lattice units
-    double fraction_x = 0;   ///< lattice units in [0, 1), added to the position
+    LatticePoint position;  ///< lattice units
+    double fraction_x = 0;  ///< lattice units in [0, 1), added to the position
     double fraction_z = 0;
-    double altitude_m = 20;  ///< above still water
-    double yaw = 0;          ///< radians, clockwise from north (-z) seen from above
-    double pitch = 0;        ///< radians, positive up, within ±pi/2
+    double altitude_m = 20;       ///< above still water
+    double yaw = 0;               ///< radians, clockwise from north (-z) seen from above
+    double pitch = 0;             ///< radians, positive up, within ±pi/2
     double vertical_angle = 0.9;  ///< full vertical opening angle, radians
-    uint32_t width = 1280;   ///< pixels
+    uint32_t width = 1280;        ///< pixels
     uint32_t height = 720;
     bool operator==(const Camera&) const = default;
 };
@@ -45,12 +45,12 @@ inline constexpr int64_t anchor_reach = int64_t{1} << 28;
 
 /// A camera with all that follows from it, relative to an anchor on the lattice.
 struct CameraFrame {
-    LatticePoint anchor;          ///< multiple of 2^20, below and near the camera
-    glm::ivec2 cell;              ///< camera's whole lattice units relative to the anchor (x, z)
-    glm::vec2 fraction;           ///< and the rest, lattice units
-    float altitude = 0;           ///< m above still water
-    glm::mat4 clip_from_camera;   ///< from metres relative to the camera, axes of the world
-    glm::mat4 camera_from_clip;   ///< inverse
+    LatticePoint anchor;         ///< multiple of 2^20, below and near the camera
+    glm::ivec2 cell;             ///< camera's whole lattice units relative to the anchor (x, z)
+    glm::vec2 fraction;          ///< and the rest, lattice units
+    float altitude = 0;          ///< m above still water
+    glm::mat4 clip_from_camera;  ///< from metres relative to the camera, axes of the world
+    glm::mat4 camera_from_clip;  ///< inverse
     glm::vec3 forward;
     bool operator==(const CameraFrame&) const = default;
 };

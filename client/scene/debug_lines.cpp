@@ -33,7 +33,8 @@ public:
         const LatticePoint ne{corner.x + side, corner.z};
         const LatticePoint sw{corner.x, corner.z + side};
         const LatticePoint se{corner.x + side, corner.z + side};
-        for (const LatticePoint p : {corner, sw, se, corner, se, ne}) out_.triangles.push_back(vertex(p, height, tint));
+        for (const LatticePoint p : {corner, sw, se, corner, se, ne})
+            out_.triangles.push_back(vertex(p, height, tint));
     }
 
 private:
@@ -50,10 +51,12 @@ private:
 
 /// World place of a box's own coordinates.
 LatticePoint place_in(const WaveTrainBox& box, int64_t u, int64_t v) {
-    return {box.origin.x + ((u * box.ux - v * box.uz) >> 30), box.origin.z + ((u * box.uz + v * box.ux) >> 30)};
+    return {box.origin.x + ((u * box.ux - v * box.uz) >> 30),
+            box.origin.z + ((u * box.uz + v * box.ux) >> 30)};
 }
 
-void add_rectangle(Drawing& drawing, const WaveTrainBox& box, int64_t u0, int64_t u1, int64_t v0, int64_t v1, Tint tint) {
+void add_rectangle(Drawing& drawing, const WaveTrainBox& box, int64_t u0, int64_t u1, int64_t v0, int64_t v1,
+                   Tint tint) {
     constexpr float height = 3.0F;
     drawing.line(place_in(box, u0, v0), place_in(box, u1, v0), height, tint);
     drawing.line(place_in(box, u1, v0), place_in(box, u1, v1), height, tint);
@@ -67,7 +70,8 @@ void add_box(Drawing& drawing, const WaveTrainBox& box) {
     add_rectangle(drawing, box, 0, box.length, 0, box.width, box_tint);
     const int64_t u1 = box.length - box.ramp_front;
     const int64_t v1 = box.width - box.ramp_side;
-    if (u1 > box.ramp_rear && v1 > box.ramp_side) add_rectangle(drawing, box, box.ramp_rear, u1, box.ramp_side, v1, ramp_tint);
+    if (u1 > box.ramp_rear && v1 > box.ramp_side)
+        add_rectangle(drawing, box, box.ramp_rear, u1, box.ramp_side, v1, ramp_tint);
     const LatticePoint tip = place_in(box, box.length * 5 / 8, box.width / 2);
     drawing.line(place_in(box, box.length * 3 / 8, box.width / 2), tip, 3.0F, box_tint);
     drawing.line(place_in(box, box.length * 9 / 16, box.width * 7 / 16), tip, 3.0F, box_tint);
@@ -99,7 +103,9 @@ void add_block(Drawing& drawing, const FieldBlock& field) {
             const auto opacity = static_cast<uint8_t>(150.0 * away);
             if (opacity < 4) continue;
             const Tint tint = gain < 1.0 ? Tint{235, 60, 40, opacity} : Tint{60, 90, 255, opacity};
-            drawing.square({(int64_t{block.key.x} * block_cells + x) * step, (int64_t{block.key.z} * block_cells + z) * step}, step, 0.5F, tint);
+            drawing.square({(int64_t{block.key.x} * block_cells + x) * step,
+                            (int64_t{block.key.z} * block_cells + z) * step},
+                           step, 0.5F, tint);
         }
 }
 
@@ -124,13 +130,14 @@ Tint tint_of(ActionKind kind) {
 }
 
 Tint tint_of_level(uint8_t patch_level) {
-    constexpr std::array<Tint, 6> tints{Tint{255, 90, 90, 220},  Tint{255, 190, 70, 220}, Tint{230, 240, 90, 220},
-                                        Tint{110, 235, 120, 220}, Tint{90, 210, 255, 220}, Tint{200, 140, 255, 220}};
+    constexpr std::array<Tint, 6> tints{Tint{255, 90, 90, 220},  Tint{255, 190, 70, 220},
+                                        Tint{230, 240, 90, 220}, Tint{110, 235, 120, 220},
+                                        Tint{90, 210, 255, 220}, Tint{200, 140, 255, 220}};
     return tints[patch_level % tints.size()];
 }
 
-DebugLines make_debug_lines(const SceneInput& input, const InterestState& state, const CameraFrame& frame, const SeaMesh& mesh,
-                            const DrawOptions& options) {
+DebugLines make_debug_lines(const SceneInput& input, const InterestState& state, const CameraFrame& frame,
+                            const SeaMesh& mesh, const DrawOptions& options) {
     DebugLines out;
     Drawing drawing(out, frame);
     if (options.fields) add_fields(drawing, state);

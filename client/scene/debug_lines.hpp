@@ -21,14 +21,14 @@ struct LineVertex {
 };
 
 struct DebugLines {
-    std::vector<LineVertex> lines;      ///< pairs
+    std::vector<LineVertex> lines;  ///< pairs
     std::vector<LineVertex> points;
     std::vector<LineVertex> triangles;  ///< triples
 };
 
 /// Outlines, rays, action points and fields as the options ask for (row A15).
-DebugLines make_debug_lines(const SceneInput& input, const InterestState& state, const CameraFrame& frame, const SeaMesh& mesh,
-                            const DrawOptions& options);
+DebugLines make_debug_lines(const SceneInput& input, const InterestState& state, const CameraFrame& frame,
+                            const SeaMesh& mesh, const DrawOptions& options);
 
 /// Colours of the legend.
 Tint tint_of(ActionKind kind);

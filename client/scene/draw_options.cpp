@@ -16,7 +16,7 @@ DrawOptions options_for(Quality quality) {
     switch (quality) {
         case Quality::low:
             options.error_px = 9.0F;
-            options.land_error_px = 4.0F;
+            options.land_error_px = 8.0F;
             break;
         case Quality::medium: break;
         case Quality::high:

@@ -16,14 +16,14 @@ std::optional<Quality> quality_named(std::string_view name);
 struct DrawOptions {
     /// Height error that the mesh may show, pixels; vertices are twice that apart (displayed.hpp).
     float error_px = 6.0F;
-    float land_error_px = 2.0F;
-    uint32_t samples = 1;                  ///< per pixel
+    float land_error_px = 4.0F;
+    uint32_t samples = 1;  ///< per pixel
     uint32_t triangles_per_draw = 4'000;
     bool wireframe = false;
-    bool boxes = false;        ///< outlines of wave train boxes
-    bool rays = false;         ///< wave rays and action points
-    bool patches = false;      ///< outlines of sea patches, coloured by level
-    bool fields = false;       ///< gain of land fields in false colours
+    bool boxes = false;          ///< outlines of wave train boxes
+    bool rays = false;           ///< wave rays and action points
+    bool patches = false;        ///< outlines of sea patches, coloured by level
+    bool fields = false;         ///< gain of land fields in false colours
     bool authoritative = false;  ///< no train fades with distance: for tests
     bool land = true;
     bool far_sea = true;

@@ -50,7 +50,8 @@ inline int edge_level(const MeshEye& eye, glm::ivec2 start, bool along_x, int si
 
 /// The same where the neighbour across the edge is one quadtree level coarser: its edge, aligned and twice as long,
 /// decides, and this one takes half. `anchor_low` are the low 32 bits of the anchor, for the absolute alignment.
-inline int halved_edge_level(const MeshEye& eye, glm::uvec2 anchor_low, glm::ivec2 start, bool along_x, int side) {
+inline int halved_edge_level(const MeshEye& eye, glm::uvec2 anchor_low, glm::ivec2 start, bool along_x,
+                             int side) {
     glm::ivec2 parent = start;
     const auto bit = static_cast<uint32_t>(side);
     if (along_x && ((anchor_low.x + static_cast<uint32_t>(start.x)) & bit) != 0) parent.x -= side;

@@ -21,7 +21,8 @@ void FlyCamera::fly(const FlyInput& input, double seconds) {
     speed_ = std::clamp(speed_ * std::pow(1.25, input.wheel), slowest, fastest);
     const glm::dvec3 ahead = forward_of(camera_);
     const glm::dvec3 right(std::cos(camera_.yaw), 0.0, std::sin(camera_.yaw));
-    velocity_ = (ahead * input.ahead + right * input.right + glm::dvec3(0, input.up, 0)) * (input.fast ? 5 * speed_ : speed_);
+    velocity_ = (ahead * input.ahead + right * input.right + glm::dvec3(0, input.up, 0)) *
+                (input.fast ? 5 * speed_ : speed_);
     move(camera_, velocity_.x * seconds, velocity_.y * seconds, velocity_.z * seconds);
 }
 

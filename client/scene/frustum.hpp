@@ -19,7 +19,8 @@ struct Bounds {
 };
 
 /// The box over a square of still water, padded by what waves can move, and let down by the display's curvature.
-Bounds bounds_of_square(const CameraFrame& frame, LatticePoint corner, int64_t side, float height_m, float displacement_m);
+Bounds bounds_of_square(const CameraFrame& frame, LatticePoint corner, int64_t side, float height_m,
+                        float displacement_m);
 
 /// False only where the box is wholly outside one plane.
 bool may_see(const FrustumPlanes& planes, const Bounds& bounds);

@@ -13,11 +13,14 @@ bool same_blocks(const InterestState& state, const std::vector<std::shared_ptr<c
                       [](const auto& known, const auto& entry) { return known == entry.second.block; });
 }
 
-int32_t clamped(int64_t v) { return static_cast<int32_t>(std::clamp<int64_t>(v, INT32_MIN / 2, INT32_MAX / 2)); }
+int32_t clamped(int64_t v) {
+    return static_cast<int32_t>(std::clamp<int64_t>(v, INT32_MIN / 2, INT32_MAX / 2));
+}
 
 }  // namespace
 
-void LandTable::add_field(Blocks::const_iterator first, Blocks::const_iterator last, size_t slot_limit, size_t node_limit) {
+void LandTable::add_field(Blocks::const_iterator first, Blocks::const_iterator last, size_t slot_limit,
+                          size_t node_limit) {
     BlockKey low = first->first.block;
     BlockKey high = low;
     size_t blocks = 0;
@@ -52,7 +55,8 @@ bool LandTable::rebuild(const InterestState& state, size_t slot_limit, size_t no
     for (const auto& [key, entry] : state.blocks) seen_.push_back(entry.block);
     for (auto at = state.blocks.begin(); at != state.blocks.end();) {
         const FieldId id = at->first.field;
-        const auto last = std::find_if(at, state.blocks.end(), [id](const auto& entry) { return entry.first.field != id; });
+        const auto last =
+            std::find_if(at, state.blocks.end(), [id](const auto& entry) { return entry.first.field != id; });
         add_field(at, last, slot_limit, node_limit);
         at = last;
     }
@@ -61,7 +65,8 @@ bool LandTable::rebuild(const InterestState& state, size_t slot_limit, size_t no
 
 int LandTable::row_of(FieldId id) const {
     if (id.value == 0) return -1;
-    const auto at = std::lower_bound(fields_.begin(), fields_.end(), id, [](const Field& f, FieldId wanted) { return f.id < wanted; });
+    const auto at = std::lower_bound(fields_.begin(), fields_.end(), id,
+                                     [](const Field& f, FieldId wanted) { return f.id < wanted; });
     return at == fields_.end() || at->id != id ? -1 : static_cast<int>(at - fields_.begin());
 }
 
@@ -75,9 +80,10 @@ void LandTable::append_fields(std::vector<std::array<int32_t, 4>>& out, LatticeP
         const float metres = static_cast<float>(int32_t{1} << (field.step_log2 - 10));
         const float radians_per_step = 0x1.921fb6p-14F / metres;
         const float gain_per_step = 0x1p-23F / metres;
-        out.push_back({clamped(node_x), clamped(node_z), field.step_log2, static_cast<int32_t>(field.first_slot)});
-        out.push_back({static_cast<int32_t>(field.columns), static_cast<int32_t>(field.rows), std::bit_cast<int32_t>(radians_per_step),
-                       std::bit_cast<int32_t>(gain_per_step)});
+        out.push_back(
+            {clamped(node_x), clamped(node_z), field.step_log2, static_cast<int32_t>(field.first_slot)});
+        out.push_back({static_cast<int32_t>(field.columns), static_cast<int32_t>(field.rows),
+                       std::bit_cast<int32_t>(radians_per_step), std::bit_cast<int32_t>(gain_per_step)});
     }
 }
 

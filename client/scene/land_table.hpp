@@ -43,7 +43,8 @@ private:
         size_t first_slot = 0;
     };
     using Blocks = std::map<FieldBlockKey, FieldBlock>;
-    void add_field(Blocks::const_iterator first, Blocks::const_iterator last, size_t slot_limit, size_t node_limit);
+    void add_field(Blocks::const_iterator first, Blocks::const_iterator last, size_t slot_limit,
+                   size_t node_limit);
 
     std::vector<Field> fields_;  // ascending id
     std::vector<int32_t> slots_;

@@ -52,18 +52,19 @@ std::vector<Ripple> choose_ripples(uint32_t seed) {
 using Level = std::vector<std::array<float, 4>>;
 
 /// A ripple has whole numbers of periods, so its phase takes only `side` values: sines come from a table.
-void add_ripple(Level& level, std::vector<double>& height, uint32_t side, const Ripple& r, double scale) {
+void add_ripple(Level& level, std::vector<double>& height, uint32_t side, const Ripple& r) {
     std::vector<double> sine(side);
     std::vector<double> cosine(side);
     for (uint32_t i = 0; i < side; ++i) {
         sine[i] = r.amplitude * std::sin(two_pi * i / side + r.phase);
-        cosine[i] = r.amplitude * std::cos(two_pi * i / side + r.phase) * scale;
+        cosine[i] = r.amplitude * std::cos(two_pi * i / side + r.phase);
     }
     const auto slope_x = static_cast<float>(r.kx);
     const auto slope_z = static_cast<float>(r.kz);
     for (uint32_t z = 0; z < side; ++z)
         for (uint32_t x = 0; x < side; ++x) {
-            const uint32_t turn = (static_cast<uint32_t>(r.kx) * x + static_cast<uint32_t>(r.kz) * z) & (side - 1);
+            const uint32_t turn =
+                (static_cast<uint32_t>(r.kx) * x + static_cast<uint32_t>(r.kz) * z) & (side - 1);
             const auto slope = static_cast<float>(cosine[turn]);
             level[z * side + x][0] += slope * slope_x;
             level[z * side + x][1] += slope * slope_z;
@@ -77,7 +78,9 @@ Level halved(const Level& fine, uint32_t side) {
     for (uint32_t z = 0; z < side / 2; ++z)
         for (uint32_t x = 0; x < side / 2; ++x)
             for (size_t c = 0; c < 4; ++c) {
-                const auto at = [&](uint32_t i, uint32_t j) { return fine[(2 * z + j) * side + 2 * x + i][c]; };
+                const auto at = [&](uint32_t i, uint32_t j) {
+                    return fine[(2 * z + j) * side + 2 * x + i][c];
+                };
                 coarse[z * (side / 2) + x][c] = 0.25F * (at(0, 0) + at(1, 0) + at(0, 1) + at(1, 1));
             }
     return coarse;
@@ -91,17 +94,18 @@ RippleMap make_ripple_map(uint32_t side, uint32_t seed) {
     map.side = side;
     Level level(size_t{side} * side);
     const std::vector<Ripple> ripples = choose_ripples(seed);
-    double power = 0;
     double height_power = 0;
-    for (const Ripple& r : ripples) {
-        power += 0.5 * r.amplitude * r.amplitude * (r.kx * r.kx + r.kz * r.kz);
-        height_power += 0.5 * r.amplitude * r.amplitude;
-    }
-    const double scale = 1.0 / std::sqrt(power);
+    for (const Ripple& r : ripples) height_power += 0.5 * r.amplitude * r.amplitude;
     const double height_scale = 0.2 / std::sqrt(height_power);
     std::vector<double> height(level.size());
-    for (const Ripple& r : ripples) add_ripple(level, height, side, r, scale);
+    for (const Ripple& r : ripples) add_ripple(level, height, side, r);
+    // Measured, for ripples of one wave vector interfere.
+    double squares = 0;
+    for (const auto& texel : level) squares += static_cast<double>(texel[0] * texel[0] + texel[1] * texel[1]);
+    const auto scale = static_cast<float>(1.0 / std::sqrt(squares / static_cast<double>(level.size())));
     for (size_t i = 0; i < level.size(); ++i) {
+        level[i][0] *= scale;
+        level[i][1] *= scale;
         level[i][2] = level[i][0] * level[i][0] + level[i][1] * level[i][1];
         level[i][3] = static_cast<float>(std::clamp(0.5 + height[i] * height_scale, 0.0, 1.0));
     }

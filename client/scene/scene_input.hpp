@@ -29,14 +29,14 @@ const char* name_of(Fidelity fidelity);
 /// What the connection tells about itself, for the overlay and the summary.
 struct SourceStatistics {
     bool connected = false;
-    std::string state;             ///< one sentence for people: "connected", "server gone, trying again in 2 s"
-    std::string server_version;    ///< software and version as the hello named it
-    uint64_t bytes_received = 0;   ///< since the start, on the socket
-    double bytes_per_second = 0.0; ///< received, over the last seconds
-    double clock_error_ms = 0.0;   ///< bound of the sea clock's error
+    std::string state;           ///< one sentence for people: "connected", "server gone, trying again in 2 s"
+    std::string server_version;  ///< software and version as the hello named it
+    uint64_t bytes_received = 0;    ///< since the start, on the socket
+    double bytes_per_second = 0.0;  ///< received, over the last seconds
+    double clock_error_ms = 0.0;    ///< bound of the sea clock's error
     Fidelity fidelity = Fidelity::unknown;
-    uint32_t deltas = 0;           ///< results applied
-    uint32_t resyncs = 0;          ///< results whose hash did not match
+    uint32_t deltas = 0;   ///< results applied
+    uint32_t resyncs = 0;  ///< results whose hash did not match
     uint64_t log_position = 0;
     float error_in_force_px = 1.0F;  ///< height error that the server culls by, pixels
     bool operator==(const SourceStatistics&) const = default;
@@ -45,7 +45,8 @@ struct SourceStatistics {
 /// All that a picture is made from. Values; the shared ones are immutable, so a pointer that did not change is a value
 /// that did not change.
 struct SceneInput {
-    std::shared_ptr<const InterestState> state;  ///< boxes, land blocks, patches; null before the first result
+    std::shared_ptr<const InterestState>
+        state;  ///< boxes, land blocks, patches; null before the first result
     SeaTime now;
     TerrainExtent terrain;
     std::vector<std::shared_ptr<const TerrainTile>> tiles;  ///< any order, one per key

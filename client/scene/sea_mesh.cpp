@@ -20,13 +20,14 @@ bool within_reach(LatticePoint corner, int64_t side, LatticePoint anchor) {
 }
 
 float distance_to(const Bounds& bounds) {
-    const glm::vec3 nearest(std::clamp(0.0F, bounds.low.x, bounds.high.x), std::clamp(0.0F, bounds.low.y, bounds.high.y),
+    const glm::vec3 nearest(std::clamp(0.0F, bounds.low.x, bounds.high.x),
+                            std::clamp(0.0F, bounds.low.y, bounds.high.y),
                             std::clamp(0.0F, bounds.low.z, bounds.high.z));
     return glm::length(nearest);
 }
 
-std::vector<Candidate> visible(const InterestState& state, const SeaTable& table, const CameraFrame& frame, const FrustumPlanes& planes,
-                               WaveBounds& greatest) {
+std::vector<Candidate> visible(const InterestState& state, const SeaTable& table, const CameraFrame& frame,
+                               const FrustumPlanes& planes, WaveBounds& greatest) {
     std::vector<Candidate> seen;
     for (const auto& [key, patch] : state.patches) {
         const LatticePoint corner = corner_of(key);
@@ -35,7 +36,8 @@ std::vector<Candidate> visible(const InterestState& state, const SeaTable& table
         const WaveBounds waves = table.bounds_of_list(list);
         const Bounds bounds = bounds_of_square(frame, corner, side_of(key), waves.height, waves.displacement);
         if (!may_see(planes, bounds)) continue;
-        greatest = {std::max(greatest.height, waves.height), std::max(greatest.displacement, waves.displacement)};
+        greatest = {std::max(greatest.height, waves.height),
+                    std::max(greatest.displacement, waves.displacement)};
         seen.push_back({key, distance_to(bounds), list});
     }
     // Nearest first: what lies behind then fails the depth test before it costs a fragment.
@@ -45,15 +47,10 @@ std::vector<Candidate> visible(const InterestState& state, const SeaTable& table
     return seen;
 }
 
-/// Two triangles for each cell of the finest of the quad's edges.
+/// Two triangles for each cell, as the shader divides the quad's inside.
 uint32_t triangles_of(const SeaQuad& quad, const MeshEye& eye) {
     const int side = 1 << (quad.shape & 0xffU);
-    int level = 0;
-    for (const bool along_x : {true, false})
-        for (const int across : {0, side}) {
-            const glm::ivec2 start(quad.x + (along_x ? 0 : across), quad.z + (along_x ? across : 0));
-            level = std::max(level, edge_level(eye, start, along_x, side));
-        }
+    const int level = edge_level(eye, {quad.x, quad.z + side / 2}, true, side);
     return static_cast<uint32_t>(2 * level * level);
 }
 
@@ -94,8 +91,8 @@ uint32_t coarser_edges(const std::map<PatchKey, PatchDescriptor>& patches, Patch
     return edges;
 }
 
-SeaMesh build_sea_mesh(const InterestState& state, const SeaTable& table, const CameraFrame& frame, const FrustumPlanes& planes,
-                       const SeaMeshSettings& settings) {
+SeaMesh build_sea_mesh(const InterestState& state, const SeaTable& table, const CameraFrame& frame,
+                       const FrustumPlanes& planes, const SeaMeshSettings& settings) {
     SeaMesh mesh;
     mesh.patches_known = static_cast<uint32_t>(state.patches.size());
     for (const Candidate& patch : visible(state, table, frame, planes, mesh.bounds)) {
@@ -107,11 +104,13 @@ SeaMesh build_sea_mesh(const InterestState& state, const SeaTable& table, const 
                 SeaQuad quad;
                 quad.x = static_cast<int32_t>(corner.x - frame.anchor.x) + (column << side_log2);
                 quad.z = static_cast<int32_t>(corner.z - frame.anchor.z) + (row << side_log2);
-                quad.shape = static_cast<uint32_t>(side_log2) | edges_of_quad(edges, column, row) << 8 | uint32_t{patch.key.level} << 16;
+                quad.shape = static_cast<uint32_t>(side_log2) | edges_of_quad(edges, column, row) << 8 |
+                             uint32_t{patch.key.level} << 16;
                 quad.list = patch.list;
                 const WaveBounds waves = table.bounds_of_list(patch.list);
-                const Bounds bounds = bounds_of_square(frame, {frame.anchor.x + quad.x, frame.anchor.z + quad.z},
-                                                       int64_t{1} << side_log2, waves.height, waves.displacement);
+                const Bounds bounds =
+                    bounds_of_square(frame, {frame.anchor.x + quad.x, frame.anchor.z + quad.z},
+                                     int64_t{1} << side_log2, waves.height, waves.displacement);
                 if (may_see(planes, bounds)) append_quad(mesh, quad, settings);
             }
         mesh.drawn.push_back(patch.key);

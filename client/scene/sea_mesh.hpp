@@ -20,8 +20,9 @@ enum EdgeBit : uint32_t { west_edge = 1, north_edge = 2, east_edge = 4, south_ed
 struct SeaQuad {
     int32_t x = 0;  ///< north-west corner relative to the anchor, lattice units
     int32_t z = 0;
-    uint32_t shape = 0;  ///< log2 of its side; edges with a coarser neighbour << 8; level of its sea patch << 16
-    int32_t list = 0;    ///< header in SeaTable::lists
+    uint32_t shape =
+        0;  ///< log2 of its side; edges with a coarser neighbour << 8; level of its sea patch << 16
+    int32_t list = 0;  ///< header in SeaTable::lists
     bool operator==(const SeaQuad&) const = default;
 };
 
@@ -47,8 +48,8 @@ struct SeaMesh {
     uint32_t patches_known = 0;
     uint32_t triangles = 0;  ///< estimate, before the shader's own culling
 };
-SeaMesh build_sea_mesh(const InterestState& state, const SeaTable& table, const CameraFrame& frame, const FrustumPlanes& planes,
-                       const SeaMeshSettings& settings);
+SeaMesh build_sea_mesh(const InterestState& state, const SeaTable& table, const CameraFrame& frame,
+                       const FrustumPlanes& planes, const SeaMeshSettings& settings);
 
 /// The edges of a patch whose neighbour is one level coarser, EdgeBits (the server keeps its quadtree balanced 2:1).
 uint32_t coarser_edges(const std::map<PatchKey, PatchDescriptor>& patches, PatchKey key);

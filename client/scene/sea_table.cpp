@@ -15,7 +15,9 @@ constexpr int64_t axes_reach = int64_t{1} << 31;
 
 int32_t clamped(int64_t v) { return static_cast<int32_t>(std::clamp<int64_t>(v, INT32_MIN, INT32_MAX)); }
 
-int32_t reciprocal(int32_t length) { return bits(static_cast<uint32_t>((uint64_t{1} << 40) / static_cast<uint64_t>(length))); }
+int32_t reciprocal(int32_t length) {
+    return bits(static_cast<uint32_t>((uint64_t{1} << 40) / static_cast<uint64_t>(length)));
+}
 
 /// A box at an instant as seven texels:
 ///   0  u of the anchor before its shift by 30 (low, high word), v alike
@@ -25,7 +27,8 @@ int32_t reciprocal(int32_t length) { return bits(static_cast<uint32_t>((uint64_t
 ///   4  their reciprocals 2^40 / ramp; width (lattice units)
 ///   5  slopes of the ramps per metre (float bits); number of trains
 ///   6  ux, uz as floats (bits); texel of the first train; 0
-void append_box(std::vector<RecordTexel>& out, const WaveTrainBox& box, LatticePoint anchor, SeaTime now, int first_texel) {
+void append_box(std::vector<RecordTexel>& out, const WaveTrainBox& box, LatticePoint anchor, SeaTime now,
+                int first_texel) {
     BoxInstant instant = instant_of(box, now);
     const bool limited = box.length != 0 || box.width != 0;
     int64_t dx = anchor.x - box.origin.x;
@@ -39,13 +42,17 @@ void append_box(std::vector<RecordTexel>& out, const WaveTrainBox& box, LatticeP
     const auto high = [](uint64_t w) { return bits(static_cast<uint32_t>(w >> 32)); };
     const auto slope = [](int32_t ramp) { return 1024.0F / static_cast<float>(ramp); };
     out.push_back({low(u), high(u), low(v), high(v)});
-    out.push_back({box.ux, box.uz, (box.length != 0 ? 1 : 0) | (box.width != 0 ? 2 : 0), bits(instant.time_gain)});
-    out.push_back({clamped(-axes_reach - dx), clamped(-axes_reach - dz), clamped(axes_reach - dx), clamped(axes_reach - dz)});
+    out.push_back(
+        {box.ux, box.uz, (box.length != 0 ? 1 : 0) | (box.width != 0 ? 2 : 0), bits(instant.time_gain)});
+    out.push_back({clamped(-axes_reach - dx), clamped(-axes_reach - dz), clamped(axes_reach - dx),
+                   clamped(axes_reach - dz)});
     out.push_back({box.ramp_rear, box.ramp_front, box.ramp_side, clamped(instant.front)});
-    out.push_back({reciprocal(box.ramp_rear), reciprocal(box.ramp_front), reciprocal(box.ramp_side), clamped(box.width)});
+    out.push_back({reciprocal(box.ramp_rear), reciprocal(box.ramp_front), reciprocal(box.ramp_side),
+                   clamped(box.width)});
     out.push_back({bits(slope(box.ramp_rear)), bits(slope(box.ramp_front)), bits(slope(box.ramp_side)),
                    static_cast<int32_t>(box.trains.size())});
-    out.push_back({bits(static_cast<float>(box.ux) * 0x1p-30F), bits(static_cast<float>(box.uz) * 0x1p-30F), first_texel, 0});
+    out.push_back({bits(static_cast<float>(box.ux) * 0x1p-30F), bits(static_cast<float>(box.uz) * 0x1p-30F),
+                   first_texel, 0});
 }
 
 }  // namespace
@@ -101,7 +108,8 @@ void SeaTable::rebuild(const InterestState& state, const LandTable& land) {
             // A patch may name a box that a later piece of the delta brings.
             const auto row = row_of.find(box.box);
             if (row == row_of.end() || box.train_count == 0) continue;
-            const auto known = static_cast<int32_t>(boxes_[static_cast<size_t>(row->second / box_row_texels)].constants.size());
+            const auto known = static_cast<int32_t>(
+                boxes_[static_cast<size_t>(row->second / box_row_texels)].constants.size());
             entries.push_back({row->second, std::min<int32_t>(known, box.train_count)});
         }
         list_of_patch_[key] = add_list(entries);
@@ -110,7 +118,8 @@ void SeaTable::rebuild(const InterestState& state, const LandTable& land) {
 
 std::vector<RecordTexel> SeaTable::records(const LandTable& land, LatticePoint anchor, SeaTime now) const {
     std::vector<RecordTexel> out;
-    out.reserve(boxes_.size() * box_row_texels + train_count_ * train_row_texels + land.field_count() * field_row_texels);
+    out.reserve(boxes_.size() * box_row_texels + train_count_ * train_row_texels +
+                land.field_count() * field_row_texels);
     for (const Box& box : boxes_) append_box(out, *box.record, anchor, now, box.first_texel);
     // A train as three texels: kx, kz, phase at the origin (turns Q0.32), texel of its land field or -1;
     // kx, kz (rad/m), amplitude, hx (m); hz, wavelength (m), its slope variance, that of it and all shorter ones.
@@ -142,7 +151,8 @@ glm::vec2 SeaTable::heading_at(LatticePoint p, SeaTime now) const {
         const Envelope e = envelope_at(*box.record, instant_of(*box.record, now), p);
         const float gain = static_cast<float>(e.gain) * 0x1p-24F;
         for (size_t i = 0; i < box.constants.size(); ++i)
-            sum += glm::vec2(box.constants[i].dx, box.constants[i].dz) * (gain * gain * box.slope_variance[i]);
+            sum +=
+                glm::vec2(box.constants[i].dx, box.constants[i].dz) * (gain * gain * box.slope_variance[i]);
     }
     return sum;
 }

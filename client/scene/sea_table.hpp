@@ -54,10 +54,10 @@ private:
     struct Box {
         std::shared_ptr<const WaveTrainBox> record;
         std::vector<TrainConstants> constants;
-        std::vector<int> fields;           // row of the train's land field, -1 = none
-        std::vector<float> slope_variance; // (kA)^2 / 2 of each train
+        std::vector<int> fields;            // row of the train's land field, -1 = none
+        std::vector<float> slope_variance;  // (kA)^2 / 2 of each train
         WaveBounds bounds;
-        int first_texel = 0;               // of its trains
+        int first_texel = 0;  // of its trains
     };
     void add_box(const std::shared_ptr<const WaveTrainBox>& record, const LandTable& land);
     int add_list(const std::vector<ListTexel>& entries);

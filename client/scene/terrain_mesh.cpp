@@ -14,7 +14,9 @@ constexpr uint32_t last = terrain_tile_samples - 1;
 constexpr double hidden_depth_m = 12.0;
 
 double metres_per_count(const TerrainTile& tile) { return std::ldexp(1.0, tile.height_step_log2 - 10); }
-double spacing_m(const TerrainTile& tile) { return std::ldexp(1.0, static_cast<int>(tile.spacing_log2) - 10); }
+double spacing_m(const TerrainTile& tile) {
+    return std::ldexp(1.0, static_cast<int>(tile.spacing_log2) - 10);
+}
 
 int16_t height_of(const TerrainTile& tile, uint32_t column, uint32_t row) {
     return tile.heights[row * terrain_tile_samples + column];
@@ -27,17 +29,21 @@ TerrainVertex vertex_of(const TerrainTile& tile, uint32_t column, uint32_t row) 
     const uint32_t south = std::min(row + 1, last);
     const double scale = metres_per_count(tile) / spacing_m(tile);
     const double slope_x = (height_of(tile, east, row) - height_of(tile, west, row)) * scale / (east - west);
-    const double slope_z = (height_of(tile, column, south) - height_of(tile, column, north)) * scale / (south - north);
+    const double slope_z =
+        (height_of(tile, column, south) - height_of(tile, column, north)) * scale / (south - north);
     const glm::dvec3 normal = glm::normalize(glm::dvec3(-slope_x, 1.0, -slope_z)) * 127.0;
     const auto byte = [](double v) { return static_cast<int8_t>(std::lround(v)); };
     return {height_of(tile, column, row), 0, byte(normal.x), byte(normal.y), byte(normal.z), 0};
 }
 
-uint16_t number_of(uint32_t column, uint32_t row) { return static_cast<uint16_t>(row * terrain_tile_samples + column); }
+uint16_t number_of(uint32_t column, uint32_t row) {
+    return static_cast<uint16_t>(row * terrain_tile_samples + column);
+}
 
 /// Number of the vertex that hangs below a border's vertex: borders in the order north, south, west, east.
 uint16_t skirt_of(uint32_t border, uint32_t along) {
-    return static_cast<uint16_t>(terrain_tile_samples * terrain_tile_samples + border * terrain_tile_samples + along);
+    return static_cast<uint16_t>(terrain_tile_samples * terrain_tile_samples + border * terrain_tile_samples +
+                                 along);
 }
 
 struct Border {
@@ -49,7 +55,9 @@ struct Border {
 
 void append_skirt(std::vector<uint16_t>& out, const Border& border, uint32_t first, uint32_t stride) {
     for (uint32_t i = first; i < first + terrain_tile_cells / 2; i += stride) {
-        const auto top = [&](uint32_t along) { return border.along_x ? number_of(along, border.fixed) : number_of(border.fixed, along); };
+        const auto top = [&](uint32_t along) {
+            return border.along_x ? number_of(along, border.fixed) : number_of(border.fixed, along);
+        };
         const uint16_t a = top(i);
         const uint16_t b = top(i + stride);
         const uint16_t c = skirt_of(border.number, i);
@@ -88,9 +96,11 @@ std::pair<float, float> span_of(const TerrainTile& tile, uint32_t quadrant) {
     return {static_cast<float>(low * metres), static_cast<float>(high * metres)};
 }
 
-Bounds quadrant_bounds(const CameraFrame& frame, const TerrainTile& tile, uint32_t quadrant, float low, float high) {
+Bounds quadrant_bounds(const CameraFrame& frame, const TerrainTile& tile, uint32_t quadrant, float low,
+                       float high) {
     const int64_t side = int64_t{terrain_tile_cells / 2} << tile.spacing_log2;
-    const LatticePoint corner{tile.origin_x + ((quadrant & 1U) != 0 ? side : 0), tile.origin_z + ((quadrant >> 1U) != 0 ? side : 0)};
+    const LatticePoint corner{tile.origin_x + ((quadrant & 1U) != 0 ? side : 0),
+                              tile.origin_z + ((quadrant >> 1U) != 0 ? side : 0)};
     Bounds bounds = bounds_of_square(frame, corner, side, 0.0F, 0.0F);
     bounds.low.y += std::min(low, 0.0F) - 10.0F;
     bounds.high.y += std::max(high, 0.0F);
@@ -98,7 +108,8 @@ Bounds quadrant_bounds(const CameraFrame& frame, const TerrainTile& tile, uint32
 }
 
 float distance_to(const Bounds& bounds) {
-    const glm::vec3 nearest(std::clamp(0.0F, bounds.low.x, bounds.high.x), std::clamp(0.0F, bounds.low.y, bounds.high.y),
+    const glm::vec3 nearest(std::clamp(0.0F, bounds.low.x, bounds.high.x),
+                            std::clamp(0.0F, bounds.low.y, bounds.high.y),
                             std::clamp(0.0F, bounds.low.z, bounds.high.z));
     return glm::length(nearest);
 }
@@ -114,7 +125,8 @@ void select(const Selecting& s, const std::shared_ptr<const TerrainTile>& tile) 
         const auto pixels = static_cast<float>(spacing_m(*tile)) / 8.0F / (distance * s.radians_per_pixel);
         const TerrainTileKey& key = tile->key;
         if (key.level > 0 && pixels > s.error_px) {
-            const auto child = s.index.find({static_cast<uint8_t>(key.level - 1), 2 * key.x + static_cast<int32_t>(quadrant & 1U),
+            const auto child = s.index.find({static_cast<uint8_t>(key.level - 1),
+                                             2 * key.x + static_cast<int32_t>(quadrant & 1U),
                                              2 * key.z + static_cast<int32_t>(quadrant >> 1U)});
             if (child != s.index.end()) {
                 select(s, child->second);
@@ -122,7 +134,9 @@ void select(const Selecting& s, const std::shared_ptr<const TerrainTile>& tile) 
             }
         }
         uint32_t stride_log2 = 0;
-        while (stride_log2 + 1 < terrain_strides && pixels * static_cast<float>(2U << stride_log2) < s.error_px) ++stride_log2;
+        while (stride_log2 + 1 < terrain_strides &&
+               pixels * static_cast<float>(2U << stride_log2) < s.error_px)
+            ++stride_log2;
         s.out.draws.push_back({tile, quadrant, stride_log2});
         const uint32_t cells = (terrain_tile_cells / 2) >> stride_log2;
         s.out.triangles += 2 * cells * cells + 4 * cells;
@@ -135,7 +149,8 @@ std::vector<TerrainVertex> terrain_vertices_of(const TerrainTile& tile) {
     std::vector<TerrainVertex> out;
     out.reserve(terrain_vertices);
     for (uint32_t row = 0; row < terrain_tile_samples; ++row)
-        for (uint32_t column = 0; column < terrain_tile_samples; ++column) out.push_back(vertex_of(tile, column, row));
+        for (uint32_t column = 0; column < terrain_tile_samples; ++column)
+            out.push_back(vertex_of(tile, column, row));
     const auto hang = [&](uint32_t column, uint32_t row) {
         TerrainVertex vertex = out[number_of(column, row)];
         vertex.skirt = 1;
@@ -168,8 +183,9 @@ std::vector<uint16_t> terrain_indices(uint32_t quadrant, uint32_t stride) {
     return out;
 }
 
-TerrainSelection select_terrain(const std::vector<std::shared_ptr<const TerrainTile>>& tiles, const CameraFrame& frame,
-                                const FrustumPlanes& planes, float radians_per_pixel, float error_px) {
+TerrainSelection select_terrain(const std::vector<std::shared_ptr<const TerrainTile>>& tiles,
+                                const CameraFrame& frame, const FrustumPlanes& planes,
+                                float radians_per_pixel, float error_px) {
     TileIndex index;
     for (const auto& tile : tiles) index[{tile->key.level, tile->key.x, tile->key.z}] = tile;
     TerrainSelection out;

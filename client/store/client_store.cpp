@@ -51,7 +51,8 @@ bool belongs_to(const TerrainTile& tile, const TerrainGrid& grid) {
     if (tile.key.level >= tile_levels(grid) || tile.key.x < 0 || tile.key.z < 0) return false;
     const int64_t cells = int64_t{terrain_tile_cells} << tile.key.level;
     return tile.key.x * cells < int64_t{grid.columns} - 1 && tile.key.z * cells < int64_t{grid.rows} - 1 &&
-           tile.spacing_log2 == grid.spacing_log2 + tile.key.level && tile.height_step_log2 == grid.height_step_log2 &&
+           tile.spacing_log2 == grid.spacing_log2 + tile.key.level &&
+           tile.height_step_log2 == grid.height_step_log2 &&
            tile.origin_x == grid.origin_x + ((tile.key.x * cells) << grid.spacing_log2) &&
            tile.origin_z == grid.origin_z + ((tile.key.z * cells) << grid.spacing_log2);
 }
@@ -77,13 +78,17 @@ void ClientStore::begin(const ServerHello& hello) {
 /// for one may cut a result short.
 Result<Done> ClientStore::take_turn(const Delta& piece) {
     const bool whole = next_piece_ == 0;
-    const bool starts_anew = piece.piece == 0 && piece.result == begun_ + 1 && (whole || (resync_asked_ && piece.base == 0));
-    const bool goes_on = !whole && piece.result == begun_ && piece.piece == next_piece_ && piece.base == base_;
+    const bool starts_anew =
+        piece.piece == 0 && piece.result == begun_ + 1 && (whole || (resync_asked_ && piece.base == 0));
+    const bool goes_on =
+        !whole && piece.result == begun_ && piece.piece == next_piece_ && piece.base == base_;
     if (!starts_anew && !goes_on)
-        return Error{ErrorCode::sequence_not_monotone,
-                     fmt::format("piece {} of result {} on {} came where {} was due", piece.piece, piece.result, piece.base,
-                                 whole ? fmt::format("piece 0 of result {}", begun_ + 1)
-                                       : fmt::format("piece {} of result {} on {}", next_piece_, begun_, base_))};
+        return Error{
+            ErrorCode::sequence_not_monotone,
+            fmt::format("piece {} of result {} on {} came where {} was due", piece.piece, piece.result,
+                        piece.base,
+                        whole ? fmt::format("piece 0 of result {}", begun_ + 1)
+                              : fmt::format("piece {} of result {} on {}", next_piece_, begun_, base_))};
     begun_ = piece.result;
     base_ = piece.base;
     next_piece_ = piece.last ? 0 : static_cast<uint16_t>(piece.piece + 1);
@@ -117,7 +122,8 @@ Result<std::optional<Ack>> ClientStore::apply(const Delta& delta) {
     if (auto turn = take_turn(delta); !turn) return turn.error();
     ++counters_.pieces;
     if (delta.piece == 0)
-        course_ = builds_on_ours(delta) ? Course::apply : (resync_asked_ ? Course::pass_by : Course::ask_resync);
+        course_ =
+            builds_on_ours(delta) ? Course::apply : (resync_asked_ ? Course::pass_by : Course::ask_resync);
     if (course_ != Course::apply) {
         ++counters_.passed_by;
         // A result is answered when it is whole: the server does not expect an ack before.
@@ -137,11 +143,12 @@ Result<std::optional<Ack>> ClientStore::apply(const Delta& delta) {
 
 Result<Done> ClientStore::finish_result(const Delta& last_piece) {
     if (state_.boxes.size() > hello_->limits.boxes)
-        return Error{ErrorCode::too_many_boxes, fmt::format("{} boxes, more than the server's own limit of {}",
-                                                            state_.boxes.size(), hello_->limits.boxes)};
+        return Error{ErrorCode::too_many_boxes,
+                     fmt::format("{} boxes, more than the server's own limit of {}", state_.boxes.size(),
+                                 hello_->limits.boxes)};
     if (state_.patches.size() > hello_->limits.patches)
-        return out_of_range(fmt::format("{} patches, more than the server's own limit of {}", state_.patches.size(),
-                                        hello_->limits.patches));
+        return out_of_range(fmt::format("{} patches, more than the server's own limit of {}",
+                                        state_.patches.size(), hello_->limits.patches));
     auto fields = fields_of(state_, touched_fields_, fields_);
     if (!fields) return fields.error();
     applied_ = last_piece.result;
@@ -173,9 +180,10 @@ ClientStore::PreparedBoxes ClientStore::prepare_boxes(const Fields& fields) cons
     PreparedBoxes prepared;
     for (const auto& [id, record] : state_.boxes) {
         const auto old = prepared_.find(id);
-        const bool kept = old != prepared_.end() && !touched_boxes_.contains(id) &&
-                          std::none_of(record->trains.begin(), record->trains.end(),
-                                       [&](const WaveTrain& train) { return touched_fields_.contains(train.field); });
+        const bool kept =
+            old != prepared_.end() && !touched_boxes_.contains(id) &&
+            std::none_of(record->trains.begin(), record->trains.end(),
+                         [&](const WaveTrain& train) { return touched_fields_.contains(train.field); });
         prepared[id] = kept ? old->second : prepare(*record, all);
     }
     return prepared;
@@ -190,7 +198,9 @@ void ClientStore::count_late_events(const CullKey& key) {
         const auto now = state_.boxes.find(id);
         if (now == state_.boxes.end()) continue;
         const auto old = before.interest->boxes.find(id);
-        const SeaTime changes = old == before.interest->boxes.end() ? now->second->begin : std::min(now->second->end, old->second->end);
+        const SeaTime changes = old == before.interest->boxes.end()
+                                    ? now->second->begin
+                                    : std::min(now->second->end, old->second->end);
         if (changes < before.watermark) ++counters_.late_events;
     }
 }
@@ -202,8 +212,9 @@ Result<Done> ClientStore::apply(const TerrainTiles& message) {
     auto tiles = std::make_shared<TerrainTileMap>(*snapshot_->tiles);
     for (const TerrainTile& tile : message.tiles) {
         if (!belongs_to(tile, grid))
-            return out_of_range(fmt::format("terrain tile {} {} {} is none of the terrain that the hello names", tile.key.level,
-                                            tile.key.x, tile.key.z));
+            return out_of_range(
+                fmt::format("terrain tile {} {} {} is none of the terrain that the hello names",
+                            tile.key.level, tile.key.x, tile.key.z));
         (*tiles)[tile.key] = std::make_shared<TerrainTile>(tile);
         ++counters_.tiles;
     }

@@ -106,24 +106,22 @@ void SeaAuthority::execute(const StartWind& asked, Waiting waiting) {
     if (wind.seed == 0) wind.seed = random_seed();
     const Result<SeaTime> expected = stamp(waiting.command);
     if (!expected) return finish_refused(waiting, expected.error());
-    Result<BoxStarted> planned = world_.plan(wind, *expected);
+    const Result<BoxStarted> planned = world_.plan(wind, *expected);
     if (!planned) return finish_refused(waiting, planned.error());
-    trace_then_start(std::move(*planned), wind, std::move(waiting), 1);
+    trace_then_start(*planned, wind, std::move(waiting), 1);
 }
 
 // Only when the land is known is the command stamped, and planned again for that time.
-void SeaAuthority::trace_then_start(BoxStarted planned, StartWind wind, Waiting waiting, int attempt) {
+void SeaAuthority::trace_then_start(const BoxStarted& planned, StartWind wind, Waiting waiting, int attempt) {
     const uint64_t traced = worker_.key_of(planned.box);
-    const WaveTrainBox box = planned.box;
-    worker_.trace(box, {state_->next_field},
+    worker_.trace(planned.box, {state_->next_field},
                   [this, traced, wind, attempt, waiting = std::move(waiting)](TracedLand land) mutable {
                       const Result<SeaTime> effective = stamp(waiting.command);
                       if (!effective) return finish_refused(waiting, effective.error());
                       Result<BoxStarted> now_planned = world_.plan(wind, *effective);
                       if (!now_planned) return finish_refused(waiting, now_planned.error());
                       if (worker_.key_of(now_planned->box) != traced && attempt < most_traces)
-                          return trace_then_start(std::move(*now_planned), wind, std::move(waiting),
-                                                  attempt + 1);
+                          return trace_then_start(*now_planned, wind, std::move(waiting), attempt + 1);
                       LogEvent event;
                       event.effective = *effective;
                       BoxStarted started = world_.fit_to_land(std::move(*now_planned), land);

@@ -49,7 +49,7 @@ private:
     void execute(const StartWind& wind, Waiting waiting);
     void execute(const StopWind& stop, const Waiting& waiting);
     void execute(const SetRate& rate, const Waiting& waiting);
-    void trace_then_start(BoxStarted planned, StartWind wind, Waiting waiting, int attempt);
+    void trace_then_start(const BoxStarted& planned, StartWind wind, Waiting waiting, int attempt);
     Result<SeaTime> stamp(const Command& command);
     CommandReply commit(const Command& command, LogEvent event, TracedLand land, BoxId box);
     void append(LogEvent event, TracedLand land);

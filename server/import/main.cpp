@@ -163,7 +163,10 @@ int run(int argc, char** argv) {
         const TerrainGrid grid = read_terrain(options.input);
         print_grid(grid, describe_heights(grid));
     }
-    if (picture->parsed()) write_picture(options.output, read_terrain(options.input));
+    if (picture->parsed()) {
+        write_picture(options.output, read_terrain(options.input));
+        fmt::print("wrote {}\n", options.output);
+    }
     return 0;
 }
 

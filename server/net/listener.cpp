@@ -22,9 +22,8 @@ using Tcp = asio::ip::tcp;
 
 asio::ip::address loopback_address(const std::string& text) {
     error_code failed;
-    const asio::ip::address address = text == "localhost"
-                                          ? asio::ip::address(asio::ip::address_v4::loopback())
-                                          : asio::ip::make_address(text, failed);
+    asio::ip::address address = text == "localhost" ? asio::ip::address(asio::ip::address_v4::loopback())
+                                                    : asio::ip::make_address(text, failed);
     if (failed)
         throw OperatorError(fmt::format("--bind {}: give a numeric address, as in 127.0.0.1 or ::1", text));
     if (!address.is_loopback())

@@ -92,10 +92,10 @@ void Session::take_frame(std::span<const uint8_t> payload) {
 
 // Phase, order and rate of messages: what their content cannot tell.
 Result<Done> Session::in_time(const ClientMessage& message) {
-    const Result<Done> phase =
+    Result<Done> phase =
         expected(stage_ == Stage::hello ? SessionPhase::awaiting_hello : SessionPhase::open, message);
     if (!phase) return phase;
-    const Result<Done> order = sequence_.accept(message);
+    Result<Done> order = sequence_.accept(message);
     if (!order) return order;
     if (!message_rate_.take(read_at_us_))
         return Error{ErrorCode::rate_limited,

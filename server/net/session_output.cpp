@@ -129,10 +129,10 @@ void Session::begin_result(int64_t now_us) {
     TROCHOID_ASSERT(made || state_.key() != nullptr, "session {} got no first result", id_);
     if (!made) return;
     refresh_at_us_ = made->refresh_at_us;
-    InterestDelta change = around_.sea.change(*state_.base(), *made->state, made->key);
+    const InterestDelta change = around_.sea.change(*state_.base(), *made->state, made->key);
     ++around_.stats.results;
     if (change.empty()) ++around_.stats.empty_results;
-    state_.begin(std::move(*made), std::move(change), around_.limits.frame_to_client);
+    state_.begin(std::move(*made), change, around_.limits.frame_to_client);
 }
 
 bool Session::write_state(int64_t now_us) {

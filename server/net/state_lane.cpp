@@ -10,7 +10,7 @@ namespace trochoid {
 
 StateLane::StateLane() : base_(std::make_shared<const InterestState>()), base_hash_(hash_of(*base_)) {}
 
-void StateLane::begin(MadeResult made, InterestDelta change, size_t most_piece_bytes) {
+void StateLane::begin(MadeResult made, const InterestDelta& change, size_t most_piece_bytes) {
     TROCHOID_ASSERT(!writing(), "result {} begun while {} is being written", result_ + 1, result_);
     Delta header;
     header.result = ++result_;

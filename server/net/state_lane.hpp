@@ -36,7 +36,7 @@ public:
     /// True while pieces of a begun result wait to be written.
     bool writing() const { return next_piece_ < pieces_.size(); }
     /// Begins a result: `change` leads from base() to made.state, patches in order of priority.
-    void begin(MadeResult made, InterestDelta change, size_t most_piece_bytes);
+    void begin(MadeResult made, const InterestDelta& change, size_t most_piece_bytes);
     /// An empty result under the last key: its ack tells that what was written before has been read.
     void begin_marker(SeaTime watermark);
     /// The next piece, to be written now; `wrote` follows.

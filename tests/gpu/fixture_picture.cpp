@@ -54,12 +54,14 @@ int main(int argc, char** argv) {
         source.set_time(source.sea_time_now() + 100'000);
         report = renderer.draw(target, source.snapshot(), camera, camera, options);
         glFinish();
-        times.push_back(std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count());
+        times.push_back(
+            std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count());
     }
     std::sort(times.begin(), times.end());
-    fmt::print("{}: {:.1f} ms a picture, cpu {:.2f} ms, patches {}/{}, draws {}, sea triangles {}, land triangles {}, trains {}, vertex angle 1/{:.0f}\n",
-               describe_gl(), times[times.size() / 2], report.cpu_ms, report.patches_drawn, report.patches_known, report.draws,
-               report.sea_triangles, report.land_triangles, report.trains, 1.0F / report.vertex_angle);
+    fmt::print(
+        "{}: {:.1f} ms a picture, cpu {:.2f} ms, patches {}/{}, draws {}, sea triangles {}, land triangles {}, trains {}, vertex angle 1/{:.0f}\n",
+        describe_gl(), times[times.size() / 2], report.cpu_ms, report.patches_drawn, report.patches_known,
+        report.draws, report.sea_triangles, report.land_triangles, report.trains, 1.0F / report.vertex_angle);
     write_png(argv[1], target.read());
     return 0;
 }

@@ -26,7 +26,8 @@ PatchDescriptor describe(PatchKey key, const InterestState& state) {
     PatchDescriptor patch;
     patch.key = key;
     for (const auto& [id, box] : state.boxes)
-        if (overlap(bounds_of(*box), {corner_of(key), {corner_of(key).x + side_of(key), corner_of(key).z + side_of(key)}}))
+        if (overlap(bounds_of(*box),
+                    {corner_of(key), {corner_of(key).x + side_of(key), corner_of(key).z + side_of(key)}}))
             patch.boxes.push_back({id, static_cast<uint16_t>(box->trains.size())});
     return patch;
 }
@@ -55,7 +56,8 @@ void balance(std::set<PatchKey>& leaves) {
         if (!leaves.contains(key)) continue;
         for (const auto& [dx, dz] : {std::pair{-1, 0}, {1, 0}, {0, -1}, {0, 1}})
             for (int up = 2; key.level + up <= coarsest_patch_level; ++up) {
-                const PatchKey coarse{static_cast<uint8_t>(key.level + up), (key.x + dx) >> up, (key.z + dz) >> up};
+                const PatchKey coarse{static_cast<uint8_t>(key.level + up), (key.x + dx) >> up,
+                                      (key.z + dz) >> up};
                 if (!leaves.contains(coarse)) continue;
                 leaves.erase(coarse);
                 for (const PatchKey child : children_of(coarse)) {
@@ -82,16 +84,19 @@ WaveTrain deep_train(double wavelength, double heading, float amplitude, float c
     return train;
 }
 
-std::vector<WaveTrain> wind_sea(double peak_wavelength, double heading, double significant_height, int count, uint32_t seed) {
+std::vector<WaveTrain> wind_sea(double peak_wavelength, double heading, double significant_height, int count,
+                                uint32_t seed) {
     std::vector<WaveTrain> trains;
     double energy = 0;
     for (int i = 0; i < count; ++i) {
-        const double wavelength = peak_wavelength * 1.5 * std::pow(3.0 / (peak_wavelength * 1.5), (i + 0.5 * spread(seed)) / count);
+        const double wavelength =
+            peak_wavelength * 1.5 * std::pow(3.0 / (peak_wavelength * 1.5), (i + 0.5 * spread(seed)) / count);
         const double ratio = wavelength / peak_wavelength;
         // Pierson and Moskowitz over equal steps of log k: E ~ k^-2 exp(-1.25 (k_p / k)^-2).
         const double share = ratio * ratio * std::exp(-1.25 * ratio * ratio);
         const double turn = (spread(seed) + spread(seed) - 1.0) * 1.0;
-        trains.push_back(deep_train(wavelength, heading + turn, static_cast<float>(std::sqrt(share)), 0.8F, static_cast<uint32_t>(spread(seed) * 4294967295.0)));
+        trains.push_back(deep_train(wavelength, heading + turn, static_cast<float>(std::sqrt(share)), 0.8F,
+                                    static_cast<uint32_t>(spread(seed) * 4294967295.0)));
         energy += share / 2;
     }
     const auto scale = static_cast<float>(significant_height / 4.0 / std::sqrt(energy));
@@ -99,13 +104,15 @@ std::vector<WaveTrain> wind_sea(double peak_wavelength, double heading, double s
     return trains;
 }
 
-std::vector<PatchKey> ring_of_patches(LatticePoint centre, double altitude_m, double reach_m, double angle_per_vertex) {
+std::vector<PatchKey> ring_of_patches(LatticePoint centre, double altitude_m, double reach_m,
+                                      double angle_per_vertex) {
     std::set<PatchKey> leaves;
     std::deque<PatchKey> open;
     const int root = 22;
     for (int32_t z = -3; z <= 2; ++z)
         for (int32_t x = -3; x <= 2; ++x)
-            open.push_back({root, static_cast<int32_t>((centre.x + (int64_t{1} << 21)) >> root) + x, static_cast<int32_t>((centre.z + (int64_t{1} << 21)) >> root) + z});
+            open.push_back({root, static_cast<int32_t>((centre.x + (int64_t{1} << 21)) >> root) + x,
+                            static_cast<int32_t>((centre.z + (int64_t{1} << 21)) >> root) + z});
     while (!open.empty()) {
         const PatchKey key = open.front();
         open.pop_front();
@@ -137,8 +144,10 @@ std::vector<FieldBlock> shore_field(FieldId id, const TerrainGrid& grid, uint8_t
                     const double depth = -to_metres(height_at(grid, x, z));
                     const double rise = std::clamp((depth - 0.4) / 4.0, 0.0, 1.0);
                     const double gain = rise * (1.0 + 0.25 * std::exp(-depth / 8.0));
-                    block->gain[static_cast<size_t>(j * block_nodes + i)] = static_cast<uint16_t>(gain * 32768.0);
-                    block->shift[static_cast<size_t>(j * block_nodes + i)] = static_cast<int32_t>(65536.0 * 1.5 * std::exp(-std::max(depth, 0.0) / 12.0));
+                    block->gain[static_cast<size_t>(j * block_nodes + i)] =
+                        static_cast<uint16_t>(gain * 32768.0);
+                    block->shift[static_cast<size_t>(j * block_nodes + i)] =
+                        static_cast<int32_t>(65536.0 * 1.5 * std::exp(-std::max(depth, 0.0) / 12.0));
                 }
             if (!trivial(*block)) blocks.push_back({id, step_log2, std::move(block)});
         }
@@ -147,11 +156,13 @@ std::vector<FieldBlock> shore_field(FieldId id, const TerrainGrid& grid, uint8_t
 
 FixtureSource::FixtureSource(TerrainGrid terrain) {
     if (terrain.columns > 0) {
-        extent_ = {terrain.origin_x, terrain.origin_z, terrain.spacing_log2, terrain.columns, terrain.rows, terrain.open_sea_depth};
+        extent_ = {terrain.origin_x, terrain.origin_z, terrain.spacing_log2,
+                   terrain.columns,  terrain.rows,     terrain.open_sea_depth};
         for (uint32_t level = 0; level < tile_levels(terrain); ++level)
             for (const TerrainTileKey& key : tiles_at_level(terrain, level))
                 tiles_.push_back(std::make_shared<const TerrainTile>(make_tile(terrain, key)));
-        for (FieldBlock& block : shore_field({1}, terrain, 16)) state_->blocks[{block.field, block.block->key}] = block;
+        for (FieldBlock& block : shore_field({1}, terrain, 16))
+            state_->blocks[{block.field, block.block->key}] = block;
     }
     WaveTrainBox wind;
     wind.id = {1};
@@ -183,7 +194,8 @@ void FixtureSource::add_box(const WaveTrainBox& box) {
 void FixtureSource::remake_patches(LatticePoint centre, double altitude_m, double angle_per_vertex) {
     auto next = std::make_shared<InterestState>(*state_);
     next->patches.clear();
-    for (const PatchKey key : ring_of_patches(centre, altitude_m, 13'000, angle_per_vertex)) next->patches[key] = describe(key, *next);
+    for (const PatchKey key : ring_of_patches(centre, altitude_m, 13'000, angle_per_vertex))
+        next->patches[key] = describe(key, *next);
     state_ = std::move(next);
 }
 
@@ -202,11 +214,13 @@ SceneInput FixtureSource::snapshot() {
 }
 
 void FixtureSource::set_view(const ViewState& view) {
-    const double moved = std::hypot(to_metres(view.position.x - viewed_.position.x), to_metres(view.position.z - viewed_.position.z));
+    const double moved = std::hypot(to_metres(view.position.x - viewed_.position.x),
+                                    to_metres(view.position.z - viewed_.position.z));
     if (placed_ && moved < 50.0) return;
     viewed_ = view;
     placed_ = true;
-    remake_patches(view.position, to_metres(view.altitude), display_filter(view, view.accepted_error_px).angle_per_vertex);
+    remake_patches(view.position, to_metres(view.altitude),
+                   display_filter(view, view.accepted_error_px).angle_per_vertex);
 }
 
 void FixtureSource::request_rays(BoxId box) {
@@ -216,14 +230,17 @@ void FixtureSource::request_rays(BoxId box) {
         ray.start = {to_lattice(-12'000), to_lattice(-8'500 + 290 * i)};
         ray.end = {to_lattice(13'000), to_lattice(-8'500 + 290 * i + 3'700)};
         for (int k = 1; k <= 4; ++k)
-            ray.points.push_back({{ray.start.x + (ray.end.x - ray.start.x) * k / 5, ray.start.z + (ray.end.z - ray.start.z) * k / 5}, static_cast<ActionKind>(k)});
+            ray.points.push_back({{ray.start.x + (ray.end.x - ray.start.x) * k / 5,
+                                   ray.start.z + (ray.end.z - ray.start.z) * k / 5},
+                                  static_cast<ActionKind>(k)});
         rays_.push_back(ray);
     }
 }
 
 TerrainGrid shipped_terrain() {
     std::ifstream file(TROCHOID_SOURCE_DIR "/server/scenes/scilly/scilly.terrain", std::ios::binary);
-    const std::vector<uint8_t> bytes((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
+    const std::vector<uint8_t> bytes((std::istreambuf_iterator<char>(file)),
+                                     std::istreambuf_iterator<char>());
     auto grid = decode_terrain(bytes);
     return grid ? *grid : TerrainGrid{};
 }

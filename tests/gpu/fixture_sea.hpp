@@ -13,10 +13,12 @@ WaveTrain deep_train(double wavelength, double heading, float amplitude, float c
 
 /// A wind sea: trains by falling wavelength about a heading, amplitudes falling off like a sea of this significant
 /// height (m) and peak wavelength.
-std::vector<WaveTrain> wind_sea(double peak_wavelength, double heading, double significant_height, int count, uint32_t seed);
+std::vector<WaveTrain> wind_sea(double peak_wavelength, double heading, double significant_height, int count,
+                                uint32_t seed);
 
 /// Patches as a server would send them: a quadtree that splits with nearness, neighbours at most one level apart.
-std::vector<PatchKey> ring_of_patches(LatticePoint centre, double altitude_m, double reach_m, double angle_per_vertex);
+std::vector<PatchKey> ring_of_patches(LatticePoint centre, double altitude_m, double reach_m,
+                                      double angle_per_vertex);
 
 /// A land field over a terrain: waves shrink over shallows, end at land; made up, for pictures only.
 std::vector<FieldBlock> shore_field(FieldId id, const TerrainGrid& grid, uint8_t step_log2);

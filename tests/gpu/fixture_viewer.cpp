@@ -16,7 +16,8 @@ public:
     using FixtureSource::FixtureSource;
     trochoid::SceneInput snapshot() override {
         const auto passed = std::chrono::steady_clock::now() - start_;
-        set_time(trochoid::SeaTime{60'000'000} + std::chrono::duration_cast<std::chrono::microseconds>(passed).count());
+        set_time(trochoid::SeaTime{60'000'000} +
+                 std::chrono::duration_cast<std::chrono::microseconds>(passed).count());
         return FixtureSource::snapshot();
     }
 
@@ -31,7 +32,8 @@ int main(int argc, char** argv) {
         const auto options = trochoid::parse_viewer_options(argc, argv);
         if (!options) return 0;
         RunningFixture source(trochoid::shipped_terrain());
-        fmt::print("{}\n", trochoid::summary_line(trochoid::run_viewer(source, *options, [] { return false; })));
+        fmt::print("{}\n",
+                   trochoid::summary_line(trochoid::run_viewer(source, *options, [] { return false; })));
         return 0;
     } catch (const trochoid::OperatorError& error) {
         fmt::print(stderr, "{}\n", error.what());

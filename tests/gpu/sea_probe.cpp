@@ -8,14 +8,15 @@ namespace trochoid {
 namespace {
 
 /// Planes that nothing lies outside of.
-constexpr FrustumPlanes everything{glm::vec4(0, 0, 0, 1), glm::vec4(0, 0, 0, 1), glm::vec4(0, 0, 0, 1), glm::vec4(0, 0, 0, 1),
-                                   glm::vec4(0, 0, 0, 1)};
+constexpr FrustumPlanes everything{glm::vec4(0, 0, 0, 1), glm::vec4(0, 0, 0, 1), glm::vec4(0, 0, 0, 1),
+                                   glm::vec4(0, 0, 0, 1), glm::vec4(0, 0, 0, 1)};
 
 }  // namespace
 
 Probe probe_sea(const InterestState& state, SeaTime now, const Camera& camera) {
-    const ShaderProgram program({"sea.vert", "sea.tesc", "sea.tese"},
-                                {{"TROCHOID_PROBE 1"}, {"probe_place", "probe_shift", "probe_normal", "probe_phases"}});
+    const ShaderProgram program(
+        {"sea.vert", "sea.tesc", "sea.tese"},
+        {{"TROCHOID_PROBE 1"}, {"probe_place", "probe_shift", "probe_normal", "probe_phases"}});
     LandTable land;
     land.rebuild(state, 1U << 27, 1U << 27);
     SeaTable table;
@@ -53,7 +54,8 @@ Probe probe_sea(const InterestState& state, SeaTime now, const Camera& camera) {
     program.use();
     glEnable(GL_RASTERIZER_DISCARD);
     for (const SeaBatch& batch : mesh.batches) {
-        std::vector<ProbedVertex> room(size_t{batch.triangles} * 3 + 1024);
+        // Edges finer than the inside add to the estimate.
+        std::vector<ProbedVertex> room(size_t{batch.triangles} * 6 + 4096);
         captured.fill(GL_TRANSFORM_FEEDBACK_BUFFER, std::span<const ProbedVertex>(room), GL_DYNAMIC_READ);
         glBindBufferBase(GL_TRANSFORM_FEEDBACK_BUFFER, 0, captured.name());
         glBeginQuery(GL_TRANSFORM_FEEDBACK_PRIMITIVES_WRITTEN, query);
@@ -64,7 +66,8 @@ Probe probe_sea(const InterestState& state, SeaTime now, const Camera& camera) {
         GLuint triangles = 0;
         glGetQueryObjectuiv(query, GL_QUERY_RESULT, &triangles);
         room.resize(size_t{triangles} * 3);
-        glGetBufferSubData(GL_TRANSFORM_FEEDBACK_BUFFER, 0, static_cast<GLsizeiptr>(room.size() * sizeof(ProbedVertex)), room.data());
+        glGetBufferSubData(GL_TRANSFORM_FEEDBACK_BUFFER, 0,
+                           static_cast<GLsizeiptr>(room.size() * sizeof(ProbedVertex)), room.data());
         probe.vertices.insert(probe.vertices.end(), room.begin(), room.end());
     }
     glDisable(GL_RASTERIZER_DISCARD);

@@ -28,7 +28,8 @@ size_t open_edges(const Probe& probe, const InterestState& state) {
         }
     const auto covered = [&](int64_t x, int64_t z) {
         for (int level = finest_patch_level; level <= coarsest_patch_level; ++level)
-            if (state.patches.contains({static_cast<uint8_t>(level), static_cast<int32_t>(x >> level), static_cast<int32_t>(z >> level)}))
+            if (state.patches.contains({static_cast<uint8_t>(level), static_cast<int32_t>(x >> level),
+                                        static_cast<int32_t>(z >> level)}))
                 return true;
         return false;
     };
@@ -64,7 +65,8 @@ protected:
 std::unique_ptr<OffscreenContext> Cracks::context_;
 
 TEST_F(Cracks, every_inner_edge_belongs_to_two_triangles) {
-    for (const Camera& camera : {standing_at(10.3, 7.1, 3, 0, 0), standing_at(-777.7, 1'234.5, 40, 0, 0), standing_at(31'415'926, -2'718'281, 900, 0, 0)}) {
+    for (const Camera& camera : {standing_at(10.3, 7.1, 3, 0, 0), standing_at(-777.7, 1'234.5, 40, 0, 0),
+                                 standing_at(31'415'926, -2'718'281, 900, 0, 0)}) {
         FixtureSource source(TerrainGrid{});
         ViewState view = view_of(camera, glm::dvec3(0));
         view.accepted_error_px = 12.0F;
@@ -87,7 +89,9 @@ TEST_F(Cracks, neighbours_two_levels_apart_would_be_seen) {
 
 TEST_F(Cracks, no_background_shows_through_the_sea) {
     Renderer renderer;
-    for (const Camera& base : {standing_at(10.3, 7.1, 6, 0.7, -1.2), standing_at(-777.7, 1'234.5, 45, 2.9, -0.9), standing_at(4'000.5, -3'141.5, 700, -1.1, -0.8)}) {
+    for (const Camera& base :
+         {standing_at(10.3, 7.1, 6, 0.7, -1.2), standing_at(-777.7, 1'234.5, 45, 2.9, -0.9),
+          standing_at(4'000.5, -3'141.5, 700, -1.1, -0.8)}) {
         Camera camera = base;
         camera.width = 640;
         camera.height = 360;

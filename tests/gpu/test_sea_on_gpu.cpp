@@ -40,7 +40,8 @@ uint32_t phases_of(const Sea& sea, SeaTime now, LatticePoint p) {
             const WaveTrain& train = box->record.trains[i];
             const int16_t field = box->field_of_train[i];
             const uint32_t shift = field < 0 ? 0 : box->fields[static_cast<size_t>(field)]->sample(p).shift;
-            digest = (digest ^ (phase_from_place(train, p.x, p.z) + phase_at_origin(train, now.us) + shift)) * 16777619U;
+            digest = (digest ^ (phase_from_place(train, p.x, p.z) + phase_at_origin(train, now.us) + shift)) *
+                     16777619U;
         }
     }
     return digest;
@@ -48,10 +49,10 @@ uint32_t phases_of(const Sea& sea, SeaTime now, LatticePoint p) {
 
 struct Comparison {
     size_t vertices = 0;
-    size_t moved = 0;           // with any displacement at all
+    size_t moved = 0;  // with any displacement at all
     size_t phase_differs = 0;
-    size_t bits_differ = 0;     // in displacement or normal
-    double worst_mm = 0;        // of displacement
+    size_t bits_differ = 0;  // in displacement or normal
+    double worst_mm = 0;     // of displacement
     double worst_normal = 0;
 };
 
@@ -73,13 +74,17 @@ Comparison compare(const InterestState& state, SeaTime now, const Camera& camera
         for (int k = 0; k < 3; ++k) {
             // Zeros of either sign are the same place.
             same = same && shift[k] == v.shift[k] && normal[k] == v.normal[k];
-            result.worst_mm = std::max(result.worst_mm, 1e3 * std::abs(static_cast<double>(shift[k]) - static_cast<double>(v.shift[k])));
-            result.worst_normal = std::max(result.worst_normal, std::abs(static_cast<double>(normal[k]) - static_cast<double>(v.normal[k])));
+            result.worst_mm = std::max(result.worst_mm, 1e3 * std::abs(static_cast<double>(shift[k]) -
+                                                                       static_cast<double>(v.shift[k])));
+            result.worst_normal = std::max(result.worst_normal, std::abs(static_cast<double>(normal[k]) -
+                                                                         static_cast<double>(v.normal[k])));
         }
         if (!same) ++result.bits_differ;
     }
-    fmt::print("{}: {} vertices, {} moved, phases differ at {}, bits differ at {}, worst {:.6f} mm, worst normal {:.2e}\n",
-               describe_gl(), result.vertices, result.moved, result.phase_differs, result.bits_differ, result.worst_mm, result.worst_normal);
+    fmt::print(
+        "{}: {} vertices, {} moved, phases differ at {}, bits differ at {}, worst {:.6f} mm, worst normal {:.2e}\n",
+        describe_gl(), result.vertices, result.moved, result.phase_differs, result.bits_differ,
+        result.worst_mm, result.worst_normal);
     return result;
 }
 
@@ -141,7 +146,8 @@ TEST_F(SeaOnGpu, ten_metre_sea_after_ten_years_and_ten_thousand_kilometres) {
     camera.fraction_x = 0.37;
     const LatticePoint origin{camera.position.x - to_lattice(7'000), camera.position.z - to_lattice(5'000)};
     source.add_box(storm({3}, {200}, origin, 0.6, 10.0));
-    expect_equal(compare(around(source, camera), SeaTime{int64_t{315'576'000} * 1'000'000 + 987'654}, camera));
+    expect_equal(
+        compare(around(source, camera), SeaTime{int64_t{315'576'000} * 1'000'000 + 987'654}, camera));
 }
 
 TEST_F(SeaOnGpu, a_box_that_grows_and_one_that_decays) {
@@ -171,23 +177,29 @@ TEST_F(SeaOnGpu, hostile_land_fields_of_every_step) {
         Camera camera;
         camera.position = {to_lattice(-30'123), to_lattice(5'432)};
         InterestState state = around(source, camera);
-        const auto node_shift = [](int64_t x, int64_t z) { return static_cast<int32_t>((x * 2'654'435'761 ^ z * 40'503) % 4'000'000); };
+        const auto node_shift = [](int64_t x, int64_t z) {
+            return static_cast<int32_t>((x * 2'654'435'761 ^ z * 40'503) % 4'000'000);
+        };
         const int64_t side = int64_t{block_cells} << step_log2;
         for (int64_t bz = -20; bz <= 20; ++bz)
             for (int64_t bx = -20; bx <= 20; ++bx) {
                 auto block = std::make_shared<LandBlock>();
-                block->key = {static_cast<int32_t>(camera.position.x / side + bx), static_cast<int32_t>(camera.position.z / side + bz)};
+                block->key = {static_cast<int32_t>(camera.position.x / side + bx),
+                              static_cast<int32_t>(camera.position.z / side + bz)};
                 if ((bx + bz) % 5 == 0) continue;
                 for (int j = 0; j < block_nodes; ++j)
                     for (int i = 0; i < block_nodes; ++i) {
                         const int64_t x = int64_t{block->key.x} * block_cells + i;
                         const int64_t z = int64_t{block->key.z} * block_cells + j;
                         block->shift[static_cast<size_t>(j * block_nodes + i)] = node_shift(x, z);
-                        block->gain[static_cast<size_t>(j * block_nodes + i)] = static_cast<uint16_t>(node_shift(z, x) & 0xffff);
+                        block->gain[static_cast<size_t>(j * block_nodes + i)] =
+                            static_cast<uint16_t>(node_shift(z, x) & 0xffff);
                     }
                 state.blocks[{{9}, block->key}] = {{9}, step_log2, block};
             }
-        WaveTrainBox box = storm({3}, {200}, {camera.position.x - to_lattice(5'000), camera.position.z - to_lattice(6'000)}, 0.4, 10.0);
+        WaveTrainBox box =
+            storm({3}, {200}, {camera.position.x - to_lattice(5'000), camera.position.z - to_lattice(6'000)},
+                  0.4, 10.0);
         box.begin = {-sea_time_bound};
         for (size_t i = 0; i < box.trains.size(); ++i) box.trains[i].field = {i % 3 == 0 ? 0U : 9U};
         state.boxes[box.id] = std::make_shared<const WaveTrainBox>(box);

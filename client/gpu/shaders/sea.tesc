@@ -1,4 +1,4 @@
-// Edge levels from the edges alone, so neighbours agree; inside the finest of them.
+// Edge levels from the edges alone, so neighbours agree; inside what the quad's middle wants.
 #include "frame.glsl"
 #include "spacing.glsl"
 layout(vertices = 1) out;
@@ -22,7 +22,7 @@ void main() {
     gl_TessLevelOuter[1] = float(north);
     gl_TessLevelOuter[2] = float(east);
     gl_TessLevelOuter[3] = float(south);
-    int inside = max(max(west, east), max(north, south));
+    int inside = edge_level(quad.xy + ivec2(0, side / 2), true, side);
     gl_TessLevelInner[0] = float(inside);
     gl_TessLevelInner[1] = float(inside);
 }

@@ -92,11 +92,11 @@ vec4 water_colour(vec3 position, vec3 mesh_normal, vec2 rest, vec3 interpolated)
     float distance = length(position);
     vec3 view = -position / distance;
     float power = min(0.0035 + 0.20 * waves.z, 0.014);
-    float coarse = min(0.8 * waves.y, 0.018);
+    float coarse = min(0.8 * waves.y + 0.1 * waves.z, 0.018);
     Ripples ripples = ripples_at(rest, power, coarse, distance);
     vec2 slope = -mesh_normal.xz / max(mesh_normal.y, 0.15) + ripples.slope;
     vec3 normal = normalize(vec3(-slope.x, 1.0, -slope.y));
-    float sigma2 = 0.5 * (ripples.variance + waves.y - coarse) + 0.0008;
+    float sigma2 = 0.5 * (ripples.variance + max(waves.y - coarse, 0.0)) + 0.0008;
 
     float bed = texture(bed_map, rest * bed_transform.xy + bed_transform.zw).x;
     float depth = waves.x - bed;

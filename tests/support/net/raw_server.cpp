@@ -110,7 +110,8 @@ bool RawServer::read_more(Milliseconds within) {
         if (failed == asio::error::operation_aborted) return;
         done = true;
         my.closed = bool(failed);
-        my.arrived.insert(my.arrived.end(), my.buffer.begin(), my.buffer.begin() + static_cast<std::ptrdiff_t>(bytes));
+        my.arrived.insert(my.arrived.end(), my.buffer.begin(),
+                          my.buffer.begin() + static_cast<std::ptrdiff_t>(bytes));
     });
     my.run(within, done, [&my] { my.socket.cancel(); });
     return done && !my.closed;

@@ -32,7 +32,7 @@ TEST(Contains, the_disc_is_closed_and_round) {
     EXPECT_TRUE(contains(disc, {1000, -2000}));
     EXPECT_TRUE(contains(disc, {1500, -2000}));
     EXPECT_FALSE(contains(disc, {1501, -2000}));
-    EXPECT_TRUE(contains(disc, {1300, -1600}));   // 300, 400
+    EXPECT_TRUE(contains(disc, {1300, -1600}));  // 300, 400
     EXPECT_FALSE(contains(disc, {1301, -1600}));
     EXPECT_FALSE(contains(disc, {1499, -1501}));  // inside the square
     EXPECT_TRUE(contains(SyncRegion{{5, 5}, 0}, {5, 5}));

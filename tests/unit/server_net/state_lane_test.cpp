@@ -12,8 +12,8 @@ protected:
     // Begins a result for the fake sea's present state and writes all of it, `bytes` in total.
     Delta write_result(size_t bytes = 100) {
         MadeResult made = *sea.make_result({view, regions, nullptr, 0});
-        InterestDelta change = sea.change(*lane.base(), *made.state, made.key);
-        lane.begin(std::move(made), std::move(change), 16384);
+        const InterestDelta change = sea.change(*lane.base(), *made.state, made.key);
+        lane.begin(std::move(made), change, 16384);
         Delta last;
         while (lane.writing()) {
             last = lane.take_piece();
@@ -112,8 +112,8 @@ TEST_F(StateLaneRules, ResyncForgetsTheBaseAndWhatWasInFlight) {
 TEST_F(StateLaneRules, ResyncInTheMiddleOfAResultStillWritesItWhole) {
     sea.patches = 1024;
     MadeResult made = *sea.make_result({view, regions, nullptr, 0});
-    InterestDelta change = sea.change(*lane.base(), *made.state, made.key);
-    lane.begin(std::move(made), std::move(change), 4096);
+    const InterestDelta change = sea.change(*lane.base(), *made.state, made.key);
+    lane.begin(std::move(made), change, 4096);
     const Delta head = lane.take_piece();
     ASSERT_FALSE(head.last);
     lane.wrote(4096, false, now_us);

@@ -113,7 +113,8 @@ TEST_F(StoreTest, a_snapshot_becomes_a_sea_and_is_acknowledged) {
 }
 
 TEST_F(StoreTest, pieces_show_only_when_whole) {
-    const auto pieces = server.tell({{{box(1)}, {}, {}, {}, {}, {}}, {{box(2)}, {}, {}, {}, {patch(1, 1)}, {}}});
+    const auto pieces =
+        server.tell({{{box(1)}, {}, {}, {}, {}, {}}, {{box(2)}, {}, {}, {}, {patch(1, 1)}, {}}});
     const auto before = store.snapshot();
     EXPECT_FALSE(take(pieces[0]));
     EXPECT_EQ(store.snapshot(), before);
@@ -155,7 +156,8 @@ TEST_F(StoreTest, a_land_block_that_comes_or_goes_reaches_its_box) {
 }
 
 TEST_F(StoreTest, pieces_out_of_order_are_the_servers_breach) {
-    const auto pieces = server.tell({{{box(1)}, {}, {}, {}, {}, {}}, {{box(2)}, {}, {}, {}, {}, {}}, {{box(3)}, {}, {}, {}, {}, {}}});
+    const auto pieces = server.tell(
+        {{{box(1)}, {}, {}, {}, {}, {}}, {{box(2)}, {}, {}, {}, {}, {}}, {{box(3)}, {}, {}, {}, {}, {}}});
     EXPECT_EQ(refused(pieces[1]), ErrorCode::sequence_not_monotone);
     take(pieces[0]);
     EXPECT_EQ(refused(pieces[0]), ErrorCode::sequence_not_monotone);
@@ -219,11 +221,13 @@ TEST_F(StoreTest, another_hash_asks_for_a_resync) {
 }
 
 TEST_F(StoreTest, blocks_of_one_field_share_step_and_neighbourhood) {
-    EXPECT_EQ(refused(server.tell_one({{}, {}, {block(5, 0, 0, 16), block(5, 1, 0, 15)}, {}, {}, {}})), ErrorCode::value_out_of_range);
+    EXPECT_EQ(refused(server.tell_one({{}, {}, {block(5, 0, 0, 16), block(5, 1, 0, 15)}, {}, {}, {}})),
+              ErrorCode::value_out_of_range);
     ClientStore other;
     other.begin(server.hello());
     Teller far;
-    const auto d = other.apply(far.tell_one({{}, {}, {block(5, -1'000'000, -1'000'000), block(5, 1'000'000, 1'000'000)}, {}, {}, {}}));
+    const auto d = other.apply(far.tell_one(
+        {{}, {}, {block(5, -1'000'000, -1'000'000), block(5, 1'000'000, 1'000'000)}, {}, {}, {}}));
     ASSERT_FALSE(d);
     EXPECT_EQ(d.error().code, ErrorCode::value_out_of_range);
 }
@@ -297,7 +301,13 @@ TEST_F(StoreTest, events_before_the_watermark_are_counted) {
     ended.end = {400'000'000};
     WaveTrainBox late = *box(3);
     late.begin = {499'999'999};
-    take(server.tell_one({{std::make_shared<const WaveTrainBox>(ended), std::make_shared<const WaveTrainBox>(late)}, {}, {}, {}, {}, {}}));
+    take(server.tell_one(
+        {{std::make_shared<const WaveTrainBox>(ended), std::make_shared<const WaveTrainBox>(late)},
+         {},
+         {},
+         {},
+         {},
+         {}}));
     EXPECT_EQ(store.counters().late_events, 2U);
 }
 
@@ -315,7 +325,8 @@ TEST_F(StoreTest, tiles_have_to_belong_to_the_terrain) {
     store.begin(hello);
     TerrainTiles all;
     for (uint32_t level = 0; level < tile_levels(grid); ++level)
-        for (const TerrainTileKey& key : tiles_at_level(grid, level)) all.tiles.push_back(make_tile(grid, key));
+        for (const TerrainTileKey& key : tiles_at_level(grid, level))
+            all.tiles.push_back(make_tile(grid, key));
     ASSERT_TRUE(store.apply(all));
     EXPECT_EQ(store.snapshot()->tiles->size(), all.tiles.size());
     EXPECT_EQ(store.snapshot()->tiles->begin()->first.level, tile_levels(grid) - 1) << "coarse before fine";

@@ -61,7 +61,8 @@ TEST(ClockEstimator, follows_the_exchange_with_the_least_delay) {
     Simulation s;
     s.hello(1'000'000, 30'000, 2000);
     int64_t now = 0;
-    for (int i = 0; i < 6; ++i) now = s.exchange(2'000'000 + i * 50'000, i == 3 ? 100 : 25'000, 700, i == 3 ? 100 : 1000);
+    for (int i = 0; i < 6; ++i)
+        now = s.exchange(2'000'000 + i * 50'000, i == 3 ? 100 : 25'000, 700, i == 3 ? 100 : 1000);
     EXPECT_EQ(s.estimator.round_trip_us(), 200);
     EXPECT_LE(s.estimator.error_bound_us(now), 150);
     EXPECT_LE(s.error_us(now), s.estimator.error_bound_us(now));
@@ -92,7 +93,8 @@ TEST(ClockEstimator, bound_holds_and_time_never_steps_back_under_drift_and_jitte
                 const SeaTime shown = s.estimator.sea_time(now);
                 ASSERT_GE(shown, last);
                 last = shown;
-                ASSERT_LE(std::abs(shown - s.truth(now)), s.estimator.error_bound_us(now)) << "drift " << drift << " round " << i;
+                ASSERT_LE(std::abs(shown - s.truth(now)), s.estimator.error_bound_us(now))
+                    << "drift " << drift << " round " << i;
             }
             s.exchange(sent, there, 10, back);
         }

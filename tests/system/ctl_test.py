@@ -1,0 +1,153 @@
+"""What trochoid-ctl and trochoid-probe print, and what they refuse."""
+import json
+import re
+import signal
+import time
+import unittest
+
+from sea_programs import BIN, ProgramTest, Server, run, scene
+
+WIND = ("start-wind", "--speed", 8, "--towards", 30, "--origin", "-100,200", "--fetch-km", 1, "--width-km", 0.5)
+
+
+class Ctl(ProgramTest):
+    @classmethod
+    def setUpClass(cls):
+        cls.server = Server(scene("open-sea"))
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.server.close()
+
+    def test_list_shows_the_scenes_winds(self):
+        done = self.server.ctl("list", token=False)
+        self.assert_ends(done, 0, "trade wind", "squall", "grown", stream="stdout")
+        lines = done.stdout.splitlines()
+        self.assertRegex(lines[0], r"^sea time \d+\.\d{3} s \(\d\d:\d\d:\d\d\.\d{3}\)$")
+        header = next(line for line in lines if line.lstrip().startswith("BOX"))
+        row = next(line for line in lines if "trade wind" in line)
+        self.assertEqual(header.index("STAGE"), row.index("grown"), "columns are not aligned:\n" + done.stdout)
+        listed = self.server.ctl_json("list")
+        self.assertEqual([b["name"] for b in listed["boxes"][:2]], ["trade wind", "squall"])
+        self.assertIsNone(listed["boxes"][0]["end_s"])
+
+    def test_time_runs(self):
+        first = self.server.ctl_json("time")
+        time.sleep(0.3)
+        second = self.server.ctl_json("time")
+        self.assertEqual(first["rate"], 1)
+        self.assertGreater(second["sea_time_us"] - first["sea_time_us"], 250_000)
+        self.assertGreater(second["watermark_s"], second["sea_time_s"])
+        self.assert_ends(self.server.ctl("time"), 0, "sea time", "rate       1", "epoch", "watermark", stream="stdout")
+
+    def test_a_wind_comes_and_goes(self):
+        started = self.server.ctl(*WIND, "--life-s", 5)
+        self.assert_ends(started, 0, "the wind starts at sea time", stream="stdout")
+        box = int(re.match(r"box (\d+):", started.stdout).group(1))
+        listed = {b["box"]: b for b in self.server.ctl_json("list")["boxes"]}
+        self.assertAlmostEqual(listed[box]["end_s"] - listed[box]["begin_s"], 5)
+        self.assertEqual(listed[box]["towards_degrees"], 30)
+        stopped = self.server.ctl("stop-wind", box)
+        self.assertIn(stopped.returncode, (0, 1), stopped.stderr)
+        again = self.server.ctl("stop-wind", box)
+        self.assert_ends(again, 1, "trochoid-ctl list")
+
+    def test_effective_times(self):
+        now = self.server.sea_time_s()
+        later = self.server.ctl_json(*WIND, "--at", round(now + 30, 3))
+        self.assertAlmostEqual(later["effective_s"], round(now + 30, 3), places=3)
+        self.assertEqual(later["deferred_s"], 0)
+        soon = self.server.ctl_json(*WIND, "--in", 20)
+        self.assertGreater(soon["effective_s"], now + 20)
+        self.assertLess(soon["effective_s"], now + 25)
+        deferred = self.server.ctl(*WIND, "--at", round(now, 3))
+        self.assert_ends(deferred, 0, "deferred by", stream="stdout")
+        refused = self.server.ctl(*WIND, "--at", round(now, 3), "--or-refuse")
+        self.assert_ends(refused, 1, "604", "--or-refuse")
+
+    def test_only_directors_change_the_sea(self):
+        for command in (WIND, ("stop-wind", 1), ("time", "--rate", 2)):
+            self.assert_ends(self.server.ctl(*command, token=False), 1, "301", "token")
+        wrong = self.server.token_file.with_name("wrong")
+        wrong.write_text("another token\n")
+        self.assert_ends(self.server.ctl("--token-file", wrong, "list", token=False), 1, "token")
+
+    def test_unknown_box(self):
+        self.assert_ends(self.server.ctl("stop-wind", 4_000_000), 1, "602", "trochoid-ctl list")
+
+    def test_bad_options_say_what_to_do(self):
+        ctl = self.server.ctl
+        self.assert_ends(ctl(), 2, "start-wind, stop-wind, list or time")
+        self.assert_ends(ctl("frobnicate"), 2, "frobnicate", "--help")
+        self.assert_ends(ctl("list", "--fast"), 2, "--fast", "--help")
+        self.assert_ends(ctl("start-wind", "--speed", 8), 2, "required", "--help")
+        self.assert_ends(ctl(*WIND, "--speed", 99), 2, "--speed")
+        self.assert_ends(ctl(*WIND, "--at", "nan"), 2, "--help")
+        self.assert_ends(ctl(*WIND, "--at", 3, "--in", 3), 2, "--at")
+        self.assert_ends(ctl("stop-wind", "0"), 2, "BOX")
+        self.assert_ends(run("trochoid-ctl", "--connect", "7421", "list"), 2, "127.0.0.1:7421")
+        self.assert_ends(run("trochoid-ctl", "--token-file", "/nowhere/token", "list"), 2, "/nowhere/token")
+        empty = self.server.token_file.with_name("empty")
+        empty.write_text("\n")
+        self.assert_ends(run("trochoid-ctl", "--token-file", empty, "list"), 2, "holds no token")
+
+    def test_help_and_version(self):
+        for program in ("trochoid-ctl", "trochoid-probe", "trochoid-server"):
+            self.assert_ends(run(program, "--version"), 0, program, "protocol", "model", stream="stdout")
+            self.assert_ends(run(program, "--help"), 0, "Usage", stream="stdout")
+        for command in ("start-wind", "stop-wind", "list", "time"):
+            self.assert_ends(run("trochoid-ctl", command, "--help"), 0, "Example", stream="stdout")
+
+
+class Probe(ProgramTest):
+    @classmethod
+    def setUpClass(cls):
+        cls.server = Server(scene("open-sea"))
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.server.close()
+
+    def test_table_and_json_tell_the_same(self):
+        where = ("--point", "10,-20.5", "--at", 60, "--times", 3, "--every", 0.5)
+        table = self.server.probe(*where)
+        self.assert_ends(table, 0, "exact", "bytes received", stream="stdout")
+        told = json.loads(self.server.probe(*where, "--json").stdout)
+        self.assertEqual([s["time_s"] for s in told["samples"]], [60, 60.5, 61])
+        self.assertEqual(told["fidelity"], "exact")
+        for sample in told["samples"]:
+            self.assertIn(f"{sample['height_m']:+9.4f}", table.stdout)
+            self.assertAlmostEqual(sum(n * n for n in sample["normal"]), 1, places=5)
+            self.assertEqual((sample["x_m"], sample["z_m"], sample["trust"]), (10, -20.5, "exact"))
+        heights = {round(s["height_m"], 4) for s in told["samples"]}
+        self.assertEqual(len(heights), 3, "the sea does not move")
+
+    def test_compare(self):
+        done = self.server.probe("--region", "0,0,500", "--points", 300, "--compare")
+        self.assert_ends(done, 0, "300 of 300 identical", stream="stdout")
+
+    def test_watch_ends_by_signal(self):
+        watcher = self.server.start_probe("--point", "0,0", "--watch", "--every", 0.1)
+        first = watcher.stdout.readline()
+        self.assertRegex(first, r"^sea time .* height [+-]\d+\.\d{4} m ")
+        watcher.stdout.readline()
+        watcher.send_signal(signal.SIGINT)
+        out, _ = self.finish(watcher)
+        self.assertIn("bytes received", out)
+
+    def test_bad_options_say_what_to_do(self):
+        probe = self.server.probe
+        self.assert_ends(probe(), 2, "--point")
+        self.assert_ends(probe("--point", "1"), 2, "X,Z")
+        self.assert_ends(probe("--point", "1,2,"), 2, "X,Z")
+        self.assert_ends(probe("--point", "1,nan"), 2, "X,Z")
+        self.assert_ends(probe("--point", "99999999,0"), 2, "outside the world")
+        self.assert_ends(probe("--region", "0,0,3000", "--points", 3), 2, "2048")
+        self.assert_ends(probe("--region", "0,0,300"), 2, "--points")
+        self.assert_ends(probe("--region", "0,0,300", "--points", 0), 2, "--points")
+        self.assert_ends(probe("--bits", "--json", "--point", "0,0"), 2, "--json")
+        self.assert_ends(probe(*[o for i in range(40) for o in ("--point", f"{i * 1000},0")]), 2, "regions are too many")
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,81 @@
+#!/usr/bin/env python3
+"""Runs the README's commands as they stand, against a server of their own: an example that stopped working fails here.
+
+usage: TROCHOID_BIN=build/release/bin readme_test.py
+"""
+import os
+import re
+import shlex
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+
+
+def commands(readme):
+    """Lines of the README's sh blocks, comments taken off."""
+    text = open(readme, encoding="utf-8").read()
+    for block in re.findall(r"```sh\n(.*?)```", text, re.S):
+        for line in block.splitlines():
+            if words := shlex.split(line, comments=True):
+                yield words
+
+
+def start_server(bin_dir, source, folder):
+    token, port_file = os.path.join(folder, "token"), os.path.join(folder, "port")
+    with open(token, "w", encoding="ascii") as file:
+        file.write("readme-test-token\n")
+    scene = os.path.join(source, "server/scenes/scilly/scene.toml")
+    server = subprocess.Popen([os.path.join(bin_dir, "trochoid-server"), "--scene", scene, "--port", "0",
+                               "--port-file", port_file, "--director-token-file", token])
+    for _ in range(1200):
+        if os.path.exists(port_file):
+            return server, "127.0.0.1:" + open(port_file, encoding="ascii").read().strip(), token
+        if server.poll() is not None:
+            sys.exit(f"the server ended with {server.returncode}")
+        time.sleep(0.1)
+    server.kill()
+    sys.exit("the server opened no port within two minutes")
+
+
+def translated(words, bin_dir, address, token, folder):
+    fixed = []
+    for word in words:
+        word = word.replace("build/release/bin", bin_dir).replace("/tmp/", folder + "/")
+        fixed.append({"HOST:PORT": address, "FILE": token}.get(word, word))
+    # The scripts would build and test all over again; their help shows that they start and know their options.
+    if fixed[0] in ("./demo.sh", "./test.sh"):
+        known = subprocess.run([fixed[0], "--help"], capture_output=True, text=True, check=True).stdout
+        for option in fixed[1:]:
+            if option not in known:
+                sys.exit(f"the README says {' '.join(words)}, but {fixed[0]} --help knows no {option}")
+        fixed = [fixed[0], "--help"]
+    return fixed
+
+
+def main():
+    bin_dir = os.path.abspath(os.environ["TROCHOID_BIN"])
+    source = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
+    os.chdir(source)
+    failed = ran = 0
+    with tempfile.TemporaryDirectory() as folder:
+        server, address, token = start_server(bin_dir, source, folder)
+        try:
+            for words in commands("README.md"):
+                run = subprocess.run(translated(words, bin_dir, address, token, folder), capture_output=True, text=True,
+                                     timeout=120, check=False)
+                ran += 1
+                good = run.returncode == 0 and run.stdout.strip() != ""
+                failed += not good
+                print("ok  " if good else "FAIL", " ".join(words), flush=True)
+                if not good:
+                    print(f"exit {run.returncode}\n{run.stdout}{run.stderr}", flush=True)
+        finally:
+            server.send_signal(signal.SIGTERM)
+            status = server.wait(30)
+    print(f"{ran} commands, {failed} failed; the server ended with {status}")
+    sys.exit(1 if failed or status != 0 or ran < 10 else 0)
+
+
+main()
