@@ -7,6 +7,11 @@
 
 namespace trochoid {
 
+/// A place in the vertex buffer at hand, which OpenGL wants as a pointer.
+inline const void* buffer_offset(size_t bytes) {
+    return reinterpret_cast<const void*>(bytes);  // NOLINT(performance-no-int-to-ptr)
+}
+
 /// Owners of OpenGL names; the context must be current when they come and go. Neither copied nor moved.
 class GlBuffer {
 public:

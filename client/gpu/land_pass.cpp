@@ -35,7 +35,7 @@ LandPass::Tile& LandPass::tile_of(const std::shared_ptr<const TerrainTile>& sour
         glVertexAttribIPointer(0, 2, GL_SHORT, sizeof(TerrainVertex), nullptr);
         glEnableVertexAttribArray(1);
         glVertexAttribPointer(1, 3, GL_BYTE, GL_TRUE, sizeof(TerrainVertex),
-                              reinterpret_cast<const void*>(offsetof(TerrainVertex, nx)));
+                              buffer_offset(offsetof(TerrainVertex, nx)));
     }
     return *tile;
 }

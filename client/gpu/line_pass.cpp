@@ -9,7 +9,7 @@ LinePass::LinePass() {
     glVertexAttribPointer(0, 3, GL_FLOAT, GL_FALSE, sizeof(LineVertex), nullptr);
     glEnableVertexAttribArray(1);
     glVertexAttribPointer(1, 4, GL_UNSIGNED_BYTE, GL_TRUE, sizeof(LineVertex),
-                          reinterpret_cast<const void*>(offsetof(LineVertex, tint)));
+                          buffer_offset(offsetof(LineVertex, tint)));
 }
 
 void LinePass::draw_as(GLenum mode, const std::vector<LineVertex>& vertices) {

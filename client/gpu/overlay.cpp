@@ -145,7 +145,7 @@ Overlay::~Overlay() {
     ImGui::DestroyContext();
 }
 
-void Overlay::draw(const OverlayContent& content, bool numbers, uint32_t width, uint32_t height) {
+void Overlay::draw(const OverlayContent& content, bool numbers, uint32_t width, uint32_t height) const {
     const bool notice = !content.source.connected && !content.source.state.empty();
     if (!numbers && !notice) return;
     ImGui_ImplOpenGL3_NewFrame();

@@ -31,7 +31,7 @@ public:
 
     /// Draws into the framebuffer at hand: the numbers where they are wanted, and what is wrong with the connection as long as
     /// something is.
-    void draw(const OverlayContent& content, bool numbers, uint32_t width, uint32_t height);
+    void draw(const OverlayContent& content, bool numbers, uint32_t width, uint32_t height) const;
 
 private:
     bool windowed_;

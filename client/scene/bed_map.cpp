@@ -52,6 +52,7 @@ BedMap make_bed_map(const TerrainExtent& extent,
     map.spacing_m = std::ldexp(1.0, static_cast<int>(extent.spacing_log2) - 10) * step;
     map.heights.assign(size_t{map.columns} * map.rows, static_cast<float>(to_metres(extent.open_sea_depth)));
     std::vector<const TerrainTile*> coarse_first;
+    coarse_first.reserve(tiles.size());
     for (const auto& tile : tiles) coarse_first.push_back(tile.get());
     std::stable_sort(coarse_first.begin(), coarse_first.end(),
                      [](const auto* a, const auto* b) { return a->key.level > b->key.level; });

@@ -20,7 +20,7 @@ DrawOptions options_for(Quality quality) {
             break;
         case Quality::medium: break;
         case Quality::high:
-            options.error_px = 1.0F;
+            options.error_px = 2.0F;
             options.land_error_px = 1.0F;
             options.samples = 4;
             options.triangles_per_draw = 20'000;

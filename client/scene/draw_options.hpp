@@ -32,7 +32,7 @@ struct DrawOptions {
     bool operator==(const DrawOptions&) const = default;
 };
 
-/// low: 9 px; medium: 6 px, meant for software rendering; high: 1 px, four samples a pixel.
+/// low: 9 px; medium: 6 px, meant for software rendering; high: 2 px, four samples a pixel.
 DrawOptions options_for(Quality quality);
 
 /// How vertices are spaced: by the coarser of what we want and of what the server culls by (finer would show trains that

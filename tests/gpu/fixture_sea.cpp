@@ -42,6 +42,7 @@ double nearest(PatchKey key, LatticePoint p) {
 
 std::vector<PatchKey> children_of(PatchKey key) {
     std::vector<PatchKey> four;
+    four.reserve(4);
     for (int i = 0; i < 4; ++i)
         four.push_back({static_cast<uint8_t>(key.level - 1), key.x * 2 + (i & 1), key.z * 2 + (i >> 1)});
     return four;
@@ -154,7 +155,7 @@ std::vector<FieldBlock> shore_field(FieldId id, const TerrainGrid& grid, uint8_t
     return blocks;
 }
 
-FixtureSource::FixtureSource(TerrainGrid terrain) {
+FixtureSource::FixtureSource(const TerrainGrid& terrain) {
     if (terrain.columns > 0) {
         extent_ = {terrain.origin_x, terrain.origin_z, terrain.spacing_log2,
                    terrain.columns,  terrain.rows,     terrain.open_sea_depth};

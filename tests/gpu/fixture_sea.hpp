@@ -27,7 +27,7 @@ std::vector<FieldBlock> shore_field(FieldId id, const TerrainGrid& grid, uint8_t
 class FixtureSource : public SeaSource {
 public:
     /// Two boxes (a wind sea and a swell) over a terrain, which may be empty.
-    explicit FixtureSource(TerrainGrid terrain);
+    explicit FixtureSource(const TerrainGrid& terrain);
 
     SceneInput snapshot() override;
     void set_view(const ViewState& view) override;

@@ -25,6 +25,7 @@ Sea sea_of(const InterestState& state) {
         field->set(entry.block);
     }
     std::vector<std::shared_ptr<const LandField>> list;
+    list.reserve(fields.size());
     for (const auto& [id, field] : fields) list.push_back(field);
     std::vector<std::shared_ptr<const PreparedBox>> boxes;
     for (const auto& [id, box] : state.boxes) boxes.push_back(prepare(*box, list));

@@ -20,7 +20,7 @@ std::shared_ptr<const LandBlock> block_at(int32_t x, int32_t z, int32_t shift) {
     return block;
 }
 
-void add(InterestState& state, FieldId field, std::shared_ptr<const LandBlock> block) {
+void add(InterestState& state, FieldId field, const std::shared_ptr<const LandBlock>& block) {
     state.blocks[{field, block->key}] = {field, 16, block};
 }
 
