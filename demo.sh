@@ -165,6 +165,10 @@ demo.sh: the server runs on $address with $scene
 TEXT
 
 arguments=(--connect "$address")
+# Off St Agnes, looking north: swell from the left bends round the island. --camera among VIEWER_OPTIONs wins.
+if [ "$scene" = "$PWD/server/scenes/scilly/scene.toml" ] && [[ " ${viewer_options[*]} " != *" --camera"* ]]; then
+    arguments+=(--camera -1500,40,3700,10,-8)
+fi
 if [ -n "$offscreen" ]; then
     arguments+=(--offscreen --seconds "${seconds:-10}" --picture "${picture:=$called_from/trochoid.png}")
 else

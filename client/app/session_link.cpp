@@ -28,7 +28,7 @@ constexpr int64_t steady_after_us = 5'000'000;
 constexpr int64_t first_pause_ms = 500;
 constexpr int64_t longest_pause_ms = 10'000;
 
-/// Whether this build computes the normative sea (hence the server's, which has to pass the same check to start).
+/// Whether this build computes the normative sea; shown until a clock reply brings the server's own verdict.
 Fidelity own_fidelity() {
     static const Fidelity fidelity = [] {
         try {
@@ -179,6 +179,8 @@ void SessionLink::on(const ClockReply& reply, int64_t received_us) {
     {
         const std::lock_guard lock(board_.mutex);
         board_.clock.add(reply, received_us);
+        if (reply.verdict == Verdict::exact) board_.fidelity = Fidelity::exact;
+        if (reply.verdict == Verdict::approximate) board_.fidelity = Fidelity::approximate;
     }
     show_store();
 }
@@ -195,9 +197,12 @@ void SessionLink::on(const Delta& delta, int64_t received_us) {
             patches_per_second_ == 0.0 ? rate : patches_per_second_ + (rate - patches_per_second_) / 8.0;
     }
     (*ack)->patches_per_second = static_cast<uint32_t>(std::min(patches_per_second_, 1e6));
+    const bool answers = known_answer_.has_value();
     (*ack)->known_answer = std::exchange(known_answer_, std::nullopt);
     show_store();
     connection_->send(**ack);
+    // The next clock reply brings the verdict.
+    if (answers) ask_clock(++clock_row_, clock_burst - 2);
     if (live_ && delta.key.log_position > log_position_) log_grew(delta.key.log_position);
 }
 

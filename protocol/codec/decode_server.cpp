@@ -102,6 +102,9 @@ ServerMessage unpack(Scrutiny& check, const wire_fb::ClockReply& m) {
     out.watermark = check.sea_time("watermark_us", m.watermark_us());
     out.log_position = {m.log_position()};
     out.log_hash = m.log_hash();
+    check.require(m.verdict() <= wire_fb::Verdict::approximate,
+                  "verdict is not pending, exact or approximate");
+    out.verdict = static_cast<Verdict>(m.verdict());
     return out;
 }
 

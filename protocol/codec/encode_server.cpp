@@ -60,10 +60,10 @@ struct ServerEncoder {
     }
     flatbuffers::Offset<void> operator()(const ClockReply& m) {
         const auto clock = trochoid::pack(m.clock);
-        return as(
-            wire_fb::ServerBody::ClockReply,
-            wire_fb::CreateClockReply(b, m.sequence, m.client_sent_us, m.server_received_us, m.server_sent_us,
-                                      &clock, m.watermark.us, m.log_position.value, m.log_hash));
+        return as(wire_fb::ServerBody::ClockReply,
+                  wire_fb::CreateClockReply(b, m.sequence, m.client_sent_us, m.server_received_us,
+                                            m.server_sent_us, &clock, m.watermark.us, m.log_position.value,
+                                            m.log_hash, static_cast<wire_fb::Verdict>(m.verdict)));
     }
     flatbuffers::Offset<void> operator()(const Delta& m) {
         return as(wire_fb::ServerBody::Delta, trochoid::pack(b, m));

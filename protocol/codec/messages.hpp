@@ -175,6 +175,9 @@ struct ServerHello {
     bool operator==(const ServerHello&) const = default;
 };
 
+/// The server's verdict on a client's known answer: whether both compute the same sea.
+enum class Verdict : uint8_t { pending = 0, exact = 1, approximate = 2 };
+
 struct ClockReply {
     uint32_t sequence = 0;
     int64_t client_sent_us = 0;
@@ -184,6 +187,7 @@ struct ClockReply {
     SeaTime watermark;  ///< nothing more takes effect before it
     LogPosition log_position;
     uint64_t log_hash = 0;  ///< rolling hash of the log's bytes
+    Verdict verdict = Verdict::pending;
     bool operator==(const ClockReply&) const = default;
 };
 

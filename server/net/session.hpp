@@ -131,6 +131,7 @@ private:
     bool view_timer_armed_ = false;
     uint64_t challenge_seed_ = 0;
     bool challenge_open_ = false;
+    Verdict verdict_ = Verdict::pending;
     int resyncs_in_a_row_ = 0;
 
     ControlLane control_;

@@ -209,6 +209,7 @@ void Session::handle(const ClockRequest& request) {
     reply.watermark = facts.watermark;
     reply.log_position = facts.log_position;
     reply.log_hash = facts.log_hash;
+    reply.verdict = verdict_;
     reply.server_sent_us = monotonic_us();
     send(reply);
 }
@@ -250,6 +251,7 @@ void Session::handle(const Ack& ack) {
 void Session::check_known_answer(uint64_t answer) {
     challenge_open_ = false;
     const bool exact = answer == reference_hash(challenge_seed_, challenge_points);
+    verdict_ = exact ? Verdict::exact : Verdict::approximate;
     ++(exact ? around_.stats.exact_viewers : around_.stats.approximate_viewers);
     if (exact)
         spdlog::info("session {}: computes the same sea (exact)", id_);

@@ -261,6 +261,9 @@ TEST(HostileServer, TilesAndReplies) {
     ClockReply backwards;
     backwards.server_received_us = 2;
     EXPECT_EQ(refusal(ServerMessage{backwards}), ErrorCode::value_out_of_range);
+    ClockReply undecided;
+    undecided.verdict = static_cast<Verdict>(3);
+    EXPECT_EQ(refusal(ServerMessage{undecided}), ErrorCode::value_out_of_range);
     BoxSummary nameless;
     nameless.name = "two\nlines";
     EXPECT_EQ(refusal(ServerMessage{BoxList{1, {}, {nameless}, true}}), ErrorCode::value_out_of_range);

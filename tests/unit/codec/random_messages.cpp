@@ -323,6 +323,7 @@ ServerMessage random_server_message(Dice& d, size_t index) {
             ClockReply r{d.any<uint32_t>(), stamp(d),    stamp(d),   0,
                          clock(d),          sea_time(d), {d.bits()}, d.bits()};
             r.server_sent_us = r.server_received_us;
+            r.verdict = static_cast<Verdict>(d.bits() % 3);
             return r;
         }
         case 2: return delta(d);

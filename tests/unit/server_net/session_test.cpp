@@ -110,9 +110,13 @@ TEST_F(Sessions, KnownAnswerTellsExactFromApproximate) {
     ASSERT_TRUE(result && other);
     exact.acknowledge(*result, reference_hash(hello->challenge_seed, hello->challenge_count));
     approximate.acknowledge(*other, 1);
-    for (RawClient* client : {&exact, &approximate}) {  // both stay connected
+    // Both stay connected and are told.
+    for (const auto& [client, verdict] :
+         {std::pair{&exact, Verdict::exact}, std::pair{&approximate, Verdict::approximate}}) {
         client->send(ClockRequest{1, 0});
-        EXPECT_TRUE(client->wait_for<ClockReply>());
+        const auto reply = client->wait_for<ClockReply>();
+        ASSERT_TRUE(reply);
+        EXPECT_EQ(reply->verdict, verdict);
     }
     EXPECT_EQ(stats().exact_viewers, 1U);
     EXPECT_EQ(stats().approximate_viewers, 1U);
