@@ -36,7 +36,6 @@ class Viewing {
 public:
     Viewing(SeaSource& source, const ViewerOptions& options)
         : source_(source),
-          options_(options),
           draw_(draw_options_of(options)),
           fly_(options.camera),
           overlay_shown_(options.overlay) {
@@ -172,7 +171,6 @@ private:
     }
 
     SeaSource& source_;
-    const ViewerOptions& options_;
     DrawOptions draw_;
     FlyCamera fly_;
     CameraFloor floor_;

@@ -118,6 +118,9 @@ std::optional<ViewerOptions> parse_viewer_options(int argc, const char* const* a
     } catch (const CLI::ParseError& error) {
         throw OperatorError(fmt::format("{} (see trochoid-viewer --help)", error.what()));
     }
+    for (const double value : {options.seconds, options.patience_s, options.second_picture_after})
+        if (!std::isfinite(value))
+            throw OperatorError("options want finite numbers (see trochoid-viewer --help)");
     set_size(texts.size, options.camera);
     if (!texts.camera.empty()) set_place(texts.camera, options.camera);
     set_debug(texts.debug, options.debug);

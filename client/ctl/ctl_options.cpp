@@ -171,7 +171,8 @@ std::optional<CtlOptions> read_ctl_options(int argc, const char* const* argv) {
     Typed typed;
     CtlOptions options;
     app.add_option("--connect", typed.server, "HOST:PORT of the server")->capture_default_str();
-    app.add_option("--token-file", typed.token_file, "File with the director's token");
+    app.add_option("--token-file", typed.token_file, "File with the director's token")
+        ->check([](const std::string& file) { return file.empty() ? "is empty: give a file" : ""; });
     app.add_flag("--json", options.json, "Print JSON instead of tables");
     app.add_option("--patience", typed.patience_s, "Seconds to wait for each answer")
         ->check(within(0.1, 3600.0))
@@ -193,6 +194,8 @@ std::optional<CtlOptions> read_ctl_options(int argc, const char* const* argv) {
     if (app.get_subcommands().empty())
         throw OperatorError("say what to do: start-wind, stop-wind, list or time (see trochoid-ctl --help)");
     refuse_nan(typed);
+    if (typed.when.or_refuse && !typed.when.at_s && !typed.when.in_s)
+        throw OperatorError("--or-refuse wants --at or --in: the time that must be met");
     options.server = parse_endpoint(typed.server);
     options.token = token_from(typed.token_file);
     options.patience = std::chrono::milliseconds(static_cast<int64_t>(typed.patience_s * 1000.0));

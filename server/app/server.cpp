@@ -55,6 +55,11 @@ void forget_port(const std::filesystem::path& file) {
 // Whoever waits for the file sees it whole or not at all.
 void write_port(const std::filesystem::path& file, uint16_t port) {
     if (file.empty()) return;
+    // Renaming over a device or a pipe would replace it.
+    std::error_code unknown;
+    if (std::filesystem::exists(file, unknown) && !std::filesystem::is_regular_file(file, unknown))
+        throw OperatorError(
+            fmt::format("--port-file '{}' is no regular file: name a file to write to", file.string()));
     std::filesystem::path partial = file;
     partial += ".partial";
     std::ofstream out(partial);

@@ -14,16 +14,23 @@ namespace {
 
 constexpr uint32_t longest_lead_ms = 10'000;
 
+/// An unset shell variable gives an empty value; taken as "none" it would silently switch something off.
+std::string refuse_empty(const std::string& value) { return value.empty() ? "is empty: give a value" : ""; }
+
 void add_options(CLI::App& app, ServerConfig& config) {
     app.add_option("--scene", config.scene, "Scene file (TOML) with terrain, winds and boxes")->required();
-    app.add_option("--port", config.port, "TCP port, 0 for any free one")->capture_default_str();
+    app.add_option("--port", config.port, "TCP port, 0 for any free one")
+        ->check(refuse_empty)
+        ->capture_default_str();
     app.add_option("--bind", config.bind, "Loopback address to listen on; may be given more than once")
         ->capture_default_str();
     app.add_option("--port-file", config.port_file,
-                   "Write the port in use to this file once connections are taken");
+                   "Write the port in use to this file once connections are taken")
+        ->check(refuse_empty);
     app.add_option(
-        "--director-token-file", config.token_file,
-        "File with the token that lets trochoid-ctl change the sea (8 to 1024 characters, first line)");
+           "--director-token-file", config.token_file,
+           "File with the token that lets trochoid-ctl change the sea (8 to 1024 characters, first line)")
+        ->check(refuse_empty);
     app.add_option("--log-level", config.log_level, "trace, debug, info, warn, error or off")
         ->check(CLI::IsMember({"trace", "debug", "info", "warn", "error", "off"}))
         ->capture_default_str();

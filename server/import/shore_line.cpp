@@ -77,7 +77,7 @@ private:
 
 std::vector<ShoreRing> read_shore_line(const std::filesystem::path& path, const WorldMap& map) {
     std::ifstream file(path);
-    if (!file)
+    if (!file || std::filesystem::is_directory(path))
         throw OperatorError(fmt::format("cannot open the shore line {}: check the path", path.string()));
     RingCollector collector(path, map);
     try {

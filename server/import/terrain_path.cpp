@@ -33,6 +33,11 @@ TerrainGrid read_terrain(const std::filesystem::path& path) {
 }
 
 void write_terrain(const std::filesystem::path& path, const TerrainGrid& grid) {
+    // Renaming over a device or a pipe would replace it.
+    std::error_code unknown;
+    if (std::filesystem::exists(path, unknown) && !std::filesystem::is_regular_file(path, unknown))
+        throw OperatorError(
+            fmt::format("'{}' is no regular file: name a file to write the terrain to", path.string()));
     const std::vector<uint8_t> bytes = encode_terrain(grid);
     std::filesystem::path partial = path;
     partial += ".partial";
