@@ -42,7 +42,7 @@ def start_server(bin_dir, source, folder):
 def translated(words, bin_dir, address, token, folder):
     fixed = []
     for word in words:
-        word = word.replace("build/release/bin", bin_dir).replace("/tmp/", folder + "/")
+        word = word.replace("/tmp/", folder + "/").replace("build/release/bin", bin_dir)
         fixed.append({"HOST:PORT": address, "FILE": token}.get(word, word))
     # The scripts would build and test all over again; their help shows that they start and know their options.
     if fixed[0] in ("./demo.sh", "./test.sh"):
