@@ -19,12 +19,12 @@
 set -euo pipefail
 
 # libboost1.81-dev cannot stand beside libgdal-dev (which wants Boost 1.74): nothing here may pull that in.
-group_run=(libspdlog1.10 libfmt9 libtiff6 libgeotiff5 libproj25 libpng16-16 ca-certificates)
+group_run=(libspdlog1.10 libhwy1 libfmt9 libtiff6 libgeotiff5 libproj25 libpng16-16 libnetcdf19 ca-certificates)
 group_build=(
     g++ cmake ninja-build ccache pkg-config git ca-certificates
     libboost1.81-dev libflatbuffers-dev flatbuffers-compiler libspdlog-dev libfmt-dev libcli11-dev
-    libtomlplusplus-dev nlohmann-json3-dev libtiff-dev libgeotiff-dev libproj-dev libpng-dev
-    libglm-dev libglfw3-dev libepoxy-dev libegl-dev libimgui-dev libstb-dev
+    libtomlplusplus-dev nlohmann-json3-dev libtiff-dev libgeotiff-dev libproj-dev libpng-dev libnetcdf-dev
+    libglm-dev libglfw3-dev libepoxy-dev libegl-dev libimgui-dev libstb-dev libhwy-dev
 )
 group_view=(
     libgl1 libegl1 libegl-mesa0 libglx-mesa0 libgl1-mesa-dri
@@ -34,7 +34,9 @@ group_test=(libgtest-dev libgmock-dev xvfb xauth python3)
 # The sanitizer presets build with clang 19, twice as fast there as gcc. The cross compilers bring their C library; qemu runs what they link statically.
 group_all=(
     clang-19 libclang-rt-19-dev clang-14 clang-tidy-14 clang-format-14 qemu-user-static
-    g++-aarch64-linux-gnu g++-riscv64-linux-gnu g++-s390x-linux-gnu
+    g++-aarch64-linux-gnu g++-riscv64-linux-gnu g++-s390x-linux-gnu g++-i686-linux-gnu g++-arm-linux-gnueabihf
+    g++-powerpc64le-linux-gnu g++-powerpc64-linux-gnu g++-mips-linux-gnu
+    python3-matplotlib
 )
 
 die() {

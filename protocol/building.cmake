@@ -6,6 +6,9 @@ target_include_directories(trochoid_rules INTERFACE ${PROJECT_SOURCE_DIR})
 target_compile_definitions(trochoid_rules INTERFACE TROCHOID_VERSION="${PROJECT_VERSION}")
 if(CMAKE_CXX_COMPILER_ID MATCHES "GNU|Clang")
     target_compile_options(trochoid_rules INTERFACE -ffp-contract=off)
+    # gcc 12 joins a product with an alternating add and subtract into one fused vfmaddsub where the target has FMA,
+    # -ffp-contract=off or not (seen at a turn of axes with -march=native); it needs the straight-line vectoriser for that.
+    target_compile_options(trochoid_rules INTERFACE $<$<CXX_COMPILER_ID:GNU>:-fno-tree-slp-vectorize>)
     if(CMAKE_SYSTEM_PROCESSOR MATCHES "^(i[3-6]86|x86)$")
         target_compile_options(trochoid_rules INTERFACE -msse2 -mfpmath=sse)
     endif()

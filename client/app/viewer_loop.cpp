@@ -14,6 +14,7 @@
 #include "client/gpu/window.hpp"
 #include "client/scene/camera_floor.hpp"
 #include "client/scene/fly_camera.hpp"
+#include "client/scene/layer_names.hpp"
 #include "protocol/units/operator_error.hpp"
 
 namespace trochoid {
@@ -94,6 +95,8 @@ private:
         if (!window_) return;
         window_->poll();
         for (const Toggle toggle : window_->take_toggles()) switch_on_or_off(toggle);
+        for (const int digit : window_->take_digits())
+            draw_.layers = toggled(draw_.layers, layers_by_importance[static_cast<size_t>(digit - 1)].layer);
         fly_.resize(window_->pixel_width(), window_->pixel_height());
         fly_.fly(window_->take_input(), seconds);
     }

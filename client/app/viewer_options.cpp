@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "client/scene/layer_names.hpp"
 #include "protocol/units/operator_error.hpp"
 #include "protocol/units/version.hpp"
 
@@ -66,11 +67,22 @@ void set_debug(const std::string& text, DrawOptions& options) {
     }
 }
 
+Layers layers_of(const std::string& text) {
+    const auto layers = layers_named(text);
+    if (layers) return *layers;
+    std::string names;
+    for (const NamedLayer& l : layers_by_importance) names += fmt::format("{}, ", l.name);
+    throw OperatorError(fmt::format(
+        "--layers {}: there are {}and all, none and authoritative; -NAME leaves one out, as in -noise.", text,
+        names));
+}
+
 /// Texts as given, before they mean anything.
 struct Texts {
     std::string size = "1280x720";
     std::string camera;
     std::string debug;
+    std::string layers = "all";
     std::string quality = "medium";
 };
 
@@ -95,11 +107,17 @@ void describe(CLI::App& app, ViewerOptions& options, Texts& texts) {
                    "X,Y,Z,YAW,PITCH: metres east, up, south; degrees clockwise from north, upwards");
     app.add_option("--quality", texts.quality, "low, medium or high")->capture_default_str();
     app.add_option("--debug", texts.debug, "Debug views: wireframe,boxes,rays,patches,fields");
+    app.add_option(
+           "--layers", texts.layers,
+           "What the sea is made of: trains,shelter,refraction,wakes,irregular,orbits,round,noise,capillary; "
+           "all, none, authoritative; -NAME leaves one out")
+        ->capture_default_str();
     app.add_flag("--overlay", options.overlay, "Start with the numbers shown");
     app.add_option("--summary-json", options.summary_json, "Write the summary to this JSON file");
     app.footer(
         "Keys: WASD or arrows fly, Q and E down and up, shift faster, wheel changes the speed, mouse with a button held looks,\n"
-        "F1 numbers, F2 wireframe, F3 wave train boxes, F4 wave rays, F5 patches, F6 land fields, F7 freeze the culling camera, Esc ends.");
+        "F1 numbers, F2 wireframe, F3 wave train boxes, F4 wave rays, F5 patches, F6 land fields, F7 freeze the culling camera, Esc ends.\n"
+        "1 to 9 switch the layers of the sea, in order of importance.");
 }
 
 }  // namespace
@@ -124,6 +142,7 @@ std::optional<ViewerOptions> parse_viewer_options(int argc, const char* const* a
     set_size(texts.size, options.camera);
     if (!texts.camera.empty()) set_place(texts.camera, options.camera);
     set_debug(texts.debug, options.debug);
+    options.layers = layers_of(texts.layers);
     const auto quality = quality_named(texts.quality);
     if (!quality)
         throw OperatorError(fmt::format("--quality {}: there are low, medium and high.", texts.quality));
@@ -142,6 +161,7 @@ DrawOptions draw_options_of(const ViewerOptions& options) {
     draw.rays = options.debug.rays;
     draw.patches = options.debug.patches;
     draw.fields = options.debug.fields;
+    draw.layers = options.layers;
     return draw;
 }
 

@@ -21,6 +21,7 @@ struct ViewerOptions {
     Camera camera;
     Quality quality = Quality::medium;
     DrawOptions debug;  ///< only the debug views of it count
+    Layers layers = displayed_layers;
     bool overlay = false;
     bool operator==(const ViewerOptions&) const = default;
 };

@@ -18,30 +18,29 @@ struct AskedTime {
     bool operator==(const AskedTime&) const = default;
 };
 
-struct CtlStartWind {
-    StartWind wind;
+using CommandAction = decltype(Command::action);
+
+/// A change of the sea, in the world's units.
+struct CtlCommand {
+    CommandAction action;
     AskedTime when;
-    bool operator==(const CtlStartWind&) const = default;
-};
-struct CtlStopWind {
-    BoxId box;
-    AskedTime when;
-    bool operator==(const CtlStopWind&) const = default;
+    bool operator==(const CtlCommand&) const = default;
 };
 struct CtlList {
     bool operator==(const CtlList&) const = default;
 };
+/// The clock is read, not set.
 struct CtlTime {
-    std::optional<double> rate;  ///< 0 (paused) to 16
     bool operator==(const CtlTime&) const = default;
 };
+using CtlAction = std::variant<CtlCommand, CtlList, CtlTime>;
 
 struct CtlOptions {
     Endpoint server;
     std::string token;  ///< contents of the token file
     bool json = false;
     std::chrono::milliseconds patience{30000};
-    std::variant<CtlStartWind, CtlStopWind, CtlList, CtlTime> action;
+    CtlAction action;
 };
 
 /// The command line as options. Nothing where --help or --version has been answered on standard output; OperatorError for

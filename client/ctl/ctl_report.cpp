@@ -2,7 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <nlohmann/json.hpp>
+#include <numbers>
+#include <optional>
 
 #include "client/ctl/text_table.hpp"
 
@@ -23,6 +26,16 @@ std::string seconds_text(SeaTime t) { return t >= end_of_time ? "never" : fmt::f
 
 std::string as_text(const Json& json) { return json.dump(2) + "\n"; }
 
+const char* kind_of(const BoxSummary& box) {
+    switch (box.kind) {
+        case BoxKind::waves: return "waves";
+        case BoxKind::wind: return "wind";
+        case BoxKind::ship: return "ship";
+        case BoxKind::noise: return "noise";
+    }
+    return "unknown";
+}
+
 Json json_of(const BoxSummary& box, SeaTime now) {
     return Json{{"box", box.box.value},
                 {"name", box.name},
@@ -34,7 +47,38 @@ Json json_of(const BoxSummary& box, SeaTime now) {
                 {"trains", box.trains},
                 {"begin_s", json_of(box.begin)},
                 {"end_s", json_of(box.end)},
-                {"decay_s", static_cast<double>(box.decay_us) * 1e-6}};
+                {"decay_s", static_cast<double>(box.decay_us) * 1e-6},
+                {"kind", kind_of(box)},
+                {"x_m", to_metres(box.at.x)},
+                {"z_m", to_metres(box.at.z)},
+                {"vx_m_s", box.vx},
+                {"vz_m_s", box.vz}};
+}
+
+/// What came of a command, with a place for the time.
+struct Outcome {
+    std::string operator()(const StartWind&) const { return "the wind starts at sea time {}"; }
+    std::string operator()(const StartShip&) const { return "the ship starts at sea time {}"; }
+    std::string operator()(const Steer&) const { return "the new course holds from sea time {} on"; }
+    std::string operator()(const StopWind&) const { return "the decay starts at sea time {}"; }
+    std::string operator()(const ChangeLand&) const { return "the land changes at sea time {}"; }
+    std::string operator()(const SetRate& rate) const {
+        return fmt::format("rate {:g} from sea time {{}} on", static_cast<double>(rate.rate_q16) / 65536.0);
+    }
+    std::string operator()(const ListBoxes&) const { return "listed at sea time {}"; }
+};
+
+/// Speed in m/s and heading in degrees of a box that moves.
+struct Motion {
+    double speed = 0.0;
+    double heading = 0.0;
+};
+std::optional<Motion> motion_of(const BoxSummary& box) {
+    if (box.vx == 0.0F && box.vz == 0.0F) return std::nullopt;
+    const auto vx = static_cast<double>(box.vx);
+    const auto vz = static_cast<double>(box.vz);
+    const double heading = std::atan2(vx, -vz) * 180.0 / std::numbers::pi;
+    return Motion{std::hypot(vx, vz), heading < -0.5 ? heading + 360.0 : std::abs(heading)};
 }
 
 }  // namespace
@@ -68,6 +112,7 @@ std::string report(const BoxList& list, bool json) {
     using enum TextTable::Align;
     TextTable table({{"BOX"},
                      {"NAME", left},
+                     {"KIND", left},
                      {"STAGE", left},
                      {"NOW %"},
                      {"HS m"},
@@ -76,39 +121,40 @@ std::string report(const BoxList& list, bool json) {
                      {"TRAINS"},
                      {"BEGIN s"},
                      {"END s"},
-                     {"DECAY s"}});
-    for (const BoxSummary& b : list.boxes)
-        table.add({fmt::to_string(b.box.value), b.name, stage_of(b, list.now),
+                     {"DECAY s"},
+                     {"X m"},
+                     {"Z m"},
+                     {"MOVES m/s"},
+                     {"COURSE"}});
+    for (const BoxSummary& b : list.boxes) {
+        const std::optional<Motion> motion = motion_of(b);
+        table.add({fmt::to_string(b.box.value), b.name, kind_of(b), stage_of(b, list.now),
                    fmt::format("{:.0f}", b.gain_now * 100.0F), fmt::format("{:.2f}", b.significant_height),
                    b.wind_speed > 0.0F ? fmt::format("{:.1f}", b.wind_speed) : "-",
                    fmt::format("{:.0f}°", b.towards_degrees), fmt::to_string(b.trains), seconds_text(b.begin),
-                   seconds_text(b.end), fmt::format("{:.1f}", static_cast<double>(b.decay_us) * 1e-6)});
+                   seconds_text(b.end), fmt::format("{:.1f}", static_cast<double>(b.decay_us) * 1e-6),
+                   fmt::format("{:.0f}", to_metres(b.at.x)), fmt::format("{:.0f}", to_metres(b.at.z)),
+                   motion ? fmt::format("{:.1f}", motion->speed) : "-",
+                   motion ? fmt::format("{:.0f}°", motion->heading) : "-"});
+    }
     return out + table.text();
 }
 
-std::string report(const CommandReply& reply, const CtlOptions& options, SeaTime asked) {
-    const bool start = std::holds_alternative<CtlStartWind>(options.action);
-    const bool stop = std::holds_alternative<CtlStopWind>(options.action);
+std::string report(const CommandReply& reply, const CommandAction& action, SeaTime asked, bool json) {
+    const bool of_a_box =
+        !std::holds_alternative<SetRate>(action) && !std::holds_alternative<ChangeLand>(action);
     const bool timed = asked.us > -sea_time_bound;
     const int64_t deferred_us = timed ? reply.effective - asked : 0;
-    if (options.json) {
+    if (json) {
         Json out{{"effective_s", json_of(reply.effective)},
                  {"effective_us", reply.effective.us},
                  {"log_position", reply.log_position.value}};
-        if (start || stop) out["box"] = reply.box.value;
+        if (of_a_box) out["box"] = reply.box.value;
         if (timed) out["deferred_s"] = static_cast<double>(deferred_us) * 1e-6;
         return as_text(out);
     }
-    std::string out;
-    if (start)
-        out = fmt::format("box {}: the wind starts at sea time {}\n", reply.box.value,
-                          sea_time_text(reply.effective));
-    if (stop)
-        out = fmt::format("box {}: the decay starts at sea time {}\n", reply.box.value,
-                          sea_time_text(reply.effective));
-    if (const auto* time = std::get_if<CtlTime>(&options.action))
-        out = fmt::format("rate {:g} from sea time {} on\n", time->rate.value_or(1.0),
-                          sea_time_text(reply.effective));
+    std::string out = of_a_box ? fmt::format("box {}: ", reply.box.value) : std::string();
+    out += fmt::format(fmt::runtime(std::visit(Outcome{}, action)), sea_time_text(reply.effective)) + "\n";
     if (deferred_us > 0)
         out += fmt::format("deferred by {:.3f} s: nothing can take hold earlier any more\n",
                            static_cast<double>(deferred_us) * 1e-6);
@@ -137,6 +183,10 @@ std::string refusal(const CommandReply& reply) {
     if (reply.code == ErrorCode::token_required) advice = "; use --token-file FILE";
     if (reply.code == ErrorCode::unknown_box || reply.code == ErrorCode::already_ending)
         advice = "; see trochoid-ctl list";
+    if (reply.code == ErrorCode::not_moving)
+        advice = "; ships and moving winds can be steered, trochoid-ctl list shows them";
+    if (reply.code == ErrorCode::too_many_legs) advice = "; stop this one and start another";
+    if (reply.code == ErrorCode::no_terrain) advice = "; start trochoid-server with a scene that has terrain";
     if (reply.code == ErrorCode::too_late) advice = "; ask for a later time, or leave out --or-refuse";
     return fmt::format("the server refuses ({} {}): {}{}", static_cast<unsigned>(reply.code),
                        error_class(reply.code), reply.message, advice);

@@ -14,8 +14,8 @@ const char* stage_of(const BoxSummary& box, SeaTime now);
 
 /// What a program prints on standard output, as a table or as JSON, ended by a newline.
 std::string report(const BoxList& list, bool json);
-/// Of a command that the server took; `asked` is what it was asked to take hold at.
-std::string report(const CommandReply& reply, const CtlOptions& options, SeaTime asked);
+/// Of a command that the server took; `asked` is when it was asked to take hold.
+std::string report(const CommandReply& reply, const CommandAction& action, SeaTime asked, bool json);
 std::string report(const ClockReply& clock, bool json);
 
 /// What the server refused and what to do.

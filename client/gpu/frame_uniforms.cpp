@@ -62,7 +62,7 @@ FrameUniforms make_uniforms(const FrameInputs& in) {
     };
     u.camera_cell = {frame.cell, low(frame.anchor.x), low(frame.anchor.z)};
     u.camera_eye = {frame.fraction, frame.altitude, static_cast<float>(0.5 / earth_radius)};
-    u.mesh_cell = {eye.cell, 0, 0};
+    u.mesh_cell = {eye.cell, in.layers.bits, 0};
     u.mesh_eye = {eye.fraction, eye.altitude, 0.0F};
     u.mesh_filter = {eye.filter.finest_spacing, eye.filter.angle_per_vertex, in.authoritative ? 1.0F : 0.0F,
                      0.0F};
@@ -76,7 +76,7 @@ FrameUniforms make_uniforms(const FrameInputs& in) {
     u.picture = {radians_per_pixel(in.camera), haze_at(in.camera.altitude_m),
                  static_cast<float>(std::fmod(seconds, 4096.0)),
                  static_cast<float>(std::fmod(seconds, 200'000.0) * 0.004)};
-    u.foam = {0.6F, 1.1F, 0.0F, 0.0F};
+    u.foam = {0.6F, 1.1F, in.bed.open_sea_m, in.bed.belt_m};
     return u;
 }
 

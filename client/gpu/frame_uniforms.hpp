@@ -5,6 +5,7 @@
 #include "client/scene/bed_map.hpp"
 #include "client/scene/camera.hpp"
 #include "client/scene/edge_level.hpp"
+#include "protocol/model/sea.hpp"
 #include "protocol/units/sea_time.hpp"
 
 namespace trochoid {
@@ -35,6 +36,7 @@ struct FrameInputs {
     SeaTime now;
     int ripple_axis = 0;  ///< see ripple_axis_near
     bool authoritative = false;
+    Layers layers = displayed_layers;
 };
 FrameUniforms make_uniforms(const FrameInputs& inputs);
 

@@ -9,6 +9,7 @@
 #include <string>
 
 #include "client/scene/debug_lines.hpp"
+#include "client/scene/layer_names.hpp"
 #include "protocol/units/version.hpp"
 
 namespace trochoid {
@@ -99,6 +100,16 @@ void key_rows(const OverlayContent& c) {
     ImGui::NewLine();
 }
 
+/// What the sea is made of, in order of importance; the digit switches a layer.
+void layer_rows(const OverlayContent& c) {
+    int digit = 0;
+    for (const NamedLayer& l : layers_by_importance) {
+        ++digit;
+        key(fmt::format("{} {}", digit, l.name).c_str(), c.options.layers.has(l.layer));
+        if (digit % 3 == 0) ImGui::NewLine();
+    }
+}
+
 constexpr ImGuiWindowFlags plain_window = ImGuiWindowFlags_AlwaysAutoResize |
                                           ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoCollapse |
                                           ImGuiWindowFlags_NoNav;
@@ -113,6 +124,8 @@ void draw_numbers(const OverlayContent& content) {
         source_rows(content);
         ImGui::EndTable();
     }
+    ImGui::Separator();
+    layer_rows(content);
     ImGui::Separator();
     key_rows(content);
     ImGui::End();

@@ -107,11 +107,11 @@ Renderer::Chosen Renderer::choose(const SceneInput& input, const Camera& camera,
     return chosen;
 }
 
-void Renderer::upload(const Chosen& chosen, const Camera& camera, SeaTime now, bool authoritative) {
-    buffers_.set_records(sea_table_.records(land_table_, chosen.frame.anchor, now));
+void Renderer::upload(const Chosen& chosen, const Camera& camera, SeaTime now, const DrawOptions& options) {
+    buffers_.set_records(sea_table_.records(land_table_, chosen.frame.anchor, now, options.layers));
     ripple_axis_ = ripple_axis_near(sea_table_.heading_at(camera.position, now), ripple_axis_);
-    const FrameUniforms uniforms =
-        make_uniforms({camera, chosen.frame, chosen.eye, bed_, now, ripple_axis_, authoritative});
+    const FrameUniforms uniforms = make_uniforms(
+        {camera, chosen.frame, chosen.eye, bed_, now, ripple_axis_, options.authoritative, options.layers});
     uniforms_.fill(GL_UNIFORM_BUFFER, std::span<const FrameUniforms>(&uniforms, 1), GL_STREAM_DRAW);
     glBindBufferBase(GL_UNIFORM_BUFFER, frame_binding, uniforms_.name());
     buffers_.bind();
@@ -160,7 +160,7 @@ FrameReport Renderer::draw(const RenderTarget& target, const SceneInput& input, 
     take_over(input);
     const Chosen chosen = choose(input, camera, culling_camera, options);
     begin_gpu_time();
-    upload(chosen, camera, input.now, options.authoritative);
+    upload(chosen, camera, input.now, options);
     target.bind();
     draw_passes(chosen, camera, options);
     end_gpu_time();

@@ -33,7 +33,7 @@ private:
     void take_over(const SceneInput& input);
     Chosen choose(const SceneInput& input, const Camera& camera, const Camera& culling_camera,
                   const DrawOptions& options) const;
-    void upload(const Chosen& chosen, const Camera& camera, SeaTime now, bool authoritative);
+    void upload(const Chosen& chosen, const Camera& camera, SeaTime now, const DrawOptions& options);
     void draw_passes(const Chosen& chosen, const Camera& camera, const DrawOptions& options);
     FrameReport report_of(const Chosen& chosen) const;
     void begin_gpu_time();

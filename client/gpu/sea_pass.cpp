@@ -27,6 +27,8 @@ void upload_ripples(const GlTexture& texture, const RippleMap& map) {
 
 SeaBuffers::SeaBuffers() {
     upload_ripples(ripples_, make_ripple_map(ripple_side, 5));
+    const std::vector<RecordTexel> wakes = wake_texels();
+    wakes_.fill(std::span(wakes), GL_STATIC_DRAW);
     set_bed(BedMap{});
     set_land(LandTable{});
     set_records({});
@@ -61,6 +63,7 @@ void SeaBuffers::bind() const {
     lists_.bind(lists_unit);
     slots_.bind(slots_unit);
     nodes_.bind(nodes_unit);
+    wakes_.bind(wakes_unit);
     ripples_.bind(GL_TEXTURE_2D, ripples_unit);
     bed_.bind(GL_TEXTURE_2D, bed_unit);
 }

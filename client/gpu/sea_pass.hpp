@@ -25,6 +25,7 @@ private:
     GlTexelBuffer lists_{GL_RG32I};
     GlTexelBuffer slots_{GL_R32I};
     GlTexelBuffer nodes_{GL_RG32I};
+    GlTexelBuffer wakes_{GL_RGBA32I};
     GlTexture ripples_;
     GlTexture bed_;
 };

@@ -53,6 +53,7 @@ void set_units(GLuint program) {
     set("sea_lists", lists_unit);
     set("land_slots", slots_unit);
     set("land_nodes", nodes_unit);
+    set("wake_nodes", wakes_unit);
     set("ripple_map", ripples_unit);
     set("bed_map", bed_unit);
     const GLuint block = glGetUniformBlockIndex(program, "Frame");
@@ -64,7 +65,8 @@ void set_units(GLuint program) {
 ShaderProgram::ShaderProgram(std::initializer_list<std::string_view> stages, const Options& options)
     : name_(glCreateProgram()) {
     std::string prelude = "#version 410 core\n";
-    prelude += fmt::format("#define TRAIN_ROW {}\n", train_row_texels);
+    prelude +=
+        fmt::format("#define TRAIN_ROW {}\n#define OCTAVE_ROW {}\n", train_row_texels, octave_row_texels);
     for (const std::string& define : options.defines) prelude += "#define " + define + "\n";
     for (const std::string_view file : stages) {
         const GLuint shader = compile(file, prelude);

@@ -33,7 +33,15 @@ private:
 };
 
 /// Texture units, the same in every program that has the sampler.
-enum TextureUnit : GLint { records_unit = 0, lists_unit, slots_unit, nodes_unit, ripples_unit, bed_unit };
+enum TextureUnit : GLint {
+    records_unit = 0,
+    lists_unit,
+    slots_unit,
+    nodes_unit,
+    wakes_unit,
+    ripples_unit,
+    bed_unit
+};
 /// Binding point of the Frame block.
 inline constexpr GLuint frame_binding = 0;
 

@@ -93,6 +93,8 @@ FlyInput Window::take_input() {
 
 std::vector<Toggle> Window::take_toggles() { return std::exchange(toggles_, {}); }
 
+std::vector<int> Window::take_digits() { return std::exchange(digits_, {}); }
+
 void Window::show_frame() { glfwSwapBuffers(window_); }
 
 uint32_t Window::pixel_width() const {
@@ -110,9 +112,10 @@ uint32_t Window::pixel_height() const {
 void Window::on_key(GLFWwindow* window, int key, int /*scancode*/, int action, int /*mods*/) {
     if (action != GLFW_PRESS) return;
     if (key == GLFW_KEY_ESCAPE) glfwSetWindowShouldClose(window, GLFW_TRUE);
+    auto* self = static_cast<Window*>(glfwGetWindowUserPointer(window));
     if (key >= GLFW_KEY_F1 && key <= GLFW_KEY_F7)
-        static_cast<Window*>(glfwGetWindowUserPointer(window))
-            ->toggles_.push_back(static_cast<Toggle>(key - GLFW_KEY_F1));
+        self->toggles_.push_back(static_cast<Toggle>(key - GLFW_KEY_F1));
+    if (key >= GLFW_KEY_1 && key <= GLFW_KEY_9) self->digits_.push_back(key - GLFW_KEY_0);
 }
 
 void Window::on_scroll(GLFWwindow* window, double /*x*/, double y) {

@@ -29,6 +29,8 @@ public:
     FlyInput take_input();
     /// Toggles pressed since the last call.
     std::vector<Toggle> take_toggles();
+    /// Digit keys pressed since the last call, 1 to 9.
+    std::vector<int> take_digits();
     void show_frame();
 
     uint32_t pixel_width() const;
@@ -42,6 +44,7 @@ private:
 
     GLFWwindow* window_ = nullptr;
     std::vector<Toggle> toggles_;
+    std::vector<int> digits_;
     double wheel_ = 0;
     double last_x_ = 0;
     double last_y_ = 0;

@@ -13,8 +13,8 @@ bool contains(const SyncRegion& region, LatticePoint place) {
     return dx * dx + dz * dz <= r * r;
 }
 
-WaterSampler::WaterSampler(std::shared_ptr<const StoreSnapshot> snapshot, SeaTime t)
-    : snapshot_(std::move(snapshot)), instant_(snapshot_->sea, t) {}
+WaterSampler::WaterSampler(std::shared_ptr<const StoreSnapshot> snapshot, SeaTime t, Layers layers)
+    : snapshot_(std::move(snapshot)), instant_(snapshot_->sea, t, layers) {}
 
 const PatchDescriptor* WaterSampler::patch_at(LatticePoint place) const {
     for (uint8_t level = finest_patch_level; level <= coarsest_patch_level; ++level) {
@@ -31,8 +31,9 @@ Trust WaterSampler::trust(LatticePoint place) const {
     if (kept &&
         std::any_of(regions.begin(), regions.end(), [&](const SyncRegion& r) { return contains(r, place); }))
         return Trust::exact;
-    // A patch's bound speaks of its key's span of time only.
-    const bool in_span = t >= snapshot_->key.from && t < snapshot_->key.until;
+    // A patch's bound speaks of its key's span of time and of the authoritative sea only.
+    const bool in_span =
+        instant_.layers() == authoritative_layers && t >= snapshot_->key.from && t < snapshot_->key.until;
     return in_span && patch_at(place) != nullptr ? Trust::bounded : Trust::unknown;
 }
 

@@ -9,8 +9,8 @@ namespace trochoid {
 
 /// How far an answer can be trusted.
 enum class Trust : uint8_t {
-    exact,    ///< inside a sync region, not long past: the authoritative sea, bit for bit
-    bounded,  ///< inside a delivered patch: off by at most `height_error`
+    exact,    ///< inside a sync region, not long past: the sea of these layers, bit for bit
+    bounded,  ///< inside a delivered patch, authoritative layers: off by at most `height_error`
     unknown,  ///< outside everything that the server has told us of
 };
 
@@ -22,10 +22,12 @@ struct WaterAnswer {
     bool operator==(const WaterAnswer&) const = default;
 };
 
-/// Reads one snapshot at one sea time; many points share the work per time.
+/// Reads one snapshot at one sea time; many points share the work per time. Physics takes the authoritative layers;
+/// what has to lie on the water that is seen takes displayed_layers (without the fading by distance).
 class WaterSampler {
 public:
-    WaterSampler(std::shared_ptr<const StoreSnapshot> snapshot, SeaTime t);
+    WaterSampler(std::shared_ptr<const StoreSnapshot> snapshot, SeaTime t,
+                 Layers layers = authoritative_layers);
     /// The water at a fixed horizontal place.
     WaterAnswer water(LatticePoint place) const;
     /// The surface's own sample at a rest point.

@@ -50,7 +50,10 @@ BedMap make_bed_map(const TerrainExtent& extent,
     map.origin_x = extent.origin_x;
     map.origin_z = extent.origin_z;
     map.spacing_m = std::ldexp(1.0, static_cast<int>(extent.spacing_log2) - 10) * step;
-    map.heights.assign(size_t{map.columns} * map.rows, static_cast<float>(to_metres(extent.open_sea_depth)));
+    map.open_sea_m = static_cast<float>(to_metres(extent.open_sea_depth));
+    map.belt_m =
+        static_cast<float>(to_metres(int64_t{1} << (extent.spacing_log2 + open_sea_belt_cells_log2)));
+    map.heights.assign(size_t{map.columns} * map.rows, map.open_sea_m);
     std::vector<const TerrainTile*> coarse_first;
     coarse_first.reserve(tiles.size());
     for (const auto& tile : tiles) coarse_first.push_back(tile.get());

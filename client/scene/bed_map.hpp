@@ -16,7 +16,9 @@ struct BedMap {
     std::vector<float> heights{-60.0F};
     int64_t origin_x = 0;  ///< lattice units of sample [0][0]
     int64_t origin_z = 0;
-    double spacing_m = 1;  ///< between samples
+    double spacing_m = 1;       ///< between samples
+    float open_sea_m = -60.0F;  ///< far outside
+    float belt_m = 1.0F;        ///< outside the raster, over which the bed falls from its edge to that
     bool operator==(const BedMap&) const = default;
 };
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 namespace trochoid {
 
@@ -9,6 +10,9 @@ namespace {
 
 constexpr Tint box_tint{255, 214, 64, 255};
 constexpr Tint ramp_tint{255, 214, 64, 110};
+constexpr Tint course_tint{255, 150, 40, 255};
+constexpr Tint wake_tint{120, 235, 255, 200};
+constexpr Tint ship_tint{255, 255, 255, 255};
 constexpr Tint ray_tint{210, 235, 255, 90};
 /// Long lines are cut so that they follow the sea's curvature.
 constexpr double longest_piece_m = 1'000.0;
@@ -49,33 +53,93 @@ private:
     const CameraFrame& frame_;
 };
 
-/// World place of a box's own coordinates.
-LatticePoint place_in(const WaveTrainBox& box, int64_t u, int64_t v) {
-    return {box.origin.x + ((u * box.ux - v * box.uz) >> 30),
-            box.origin.z + ((u * box.uz + v * box.ux) >> 30)};
-}
+constexpr float outline_height = 3.0F;
 
-void add_rectangle(Drawing& drawing, const WaveTrainBox& box, int64_t u0, int64_t u1, int64_t v0, int64_t v1,
+/// A box where it is at the moment.
+struct PlacedBox {
+    const WaveTrainBox& box;
+    BoxInstant instant;
+
+    /// World place of the box's own coordinates.
+    LatticePoint at(int64_t u, int64_t v) const {
+        return {instant.origin.x + ((u * box.ux - v * box.uz) >> 30),
+                instant.origin.z + ((u * box.uz + v * box.ux) >> 30)};
+    }
+};
+
+void add_rectangle(Drawing& drawing, const PlacedBox& b, int64_t u0, int64_t u1, int64_t v0, int64_t v1,
                    Tint tint) {
-    constexpr float height = 3.0F;
-    drawing.line(place_in(box, u0, v0), place_in(box, u1, v0), height, tint);
-    drawing.line(place_in(box, u1, v0), place_in(box, u1, v1), height, tint);
-    drawing.line(place_in(box, u1, v1), place_in(box, u0, v1), height, tint);
-    drawing.line(place_in(box, u0, v1), place_in(box, u0, v0), height, tint);
+    drawing.line(b.at(u0, v0), b.at(u1, v0), outline_height, tint);
+    drawing.line(b.at(u1, v0), b.at(u1, v1), outline_height, tint);
+    drawing.line(b.at(u1, v1), b.at(u0, v1), outline_height, tint);
+    drawing.line(b.at(u0, v1), b.at(u0, v0), outline_height, tint);
 }
 
-/// The box, the part of it inside its ramps, and an arrow along its travel. Unlimited boxes have no outline.
-void add_box(Drawing& drawing, const WaveTrainBox& box) {
+/// Where a moving box's middle (a ship: its place) was and will be within an hour, leg by leg, with a point at every turn.
+void add_course(Drawing& drawing, const PlacedBox& b, SeaTime now) {
+    constexpr int64_t shown_us = int64_t{3600} * microseconds_per_second;
+    const bool ship = has_wake(b.box.wake);
+    const LatticePoint here = b.at(ship ? b.box.length : b.box.length / 2, b.box.width / 2);
+    const auto middle = [&](LatticePoint corner) {
+        return LatticePoint{here.x - b.instant.origin.x + corner.x, here.z - b.instant.origin.z + corner.z};
+    };
+    for (size_t i = 0; i < b.box.course.size(); ++i) {
+        const CourseLeg& leg = b.box.course[i];
+        SeaTime end = std::min(leg.from + leg.duration_us, now + shown_us);
+        if (i + 1 < b.box.course.size()) end = std::min(end, b.box.course[i + 1].from);
+        // A ship sails no farther than its box's end.
+        if (ship) end = std::min(end, b.box.end);
+        const SeaTime from = std::max(leg.from, now - shown_us);
+        if (from >= end) continue;
+        const std::span<const CourseLeg> so_far(b.box.course.data(), i + 1);
+        drawing.line(middle(corner_at(so_far, from)), middle(corner_at(so_far, end)), outline_height,
+                     course_tint);
+        if (from == leg.from) drawing.point(middle(leg.origin), outline_height, course_tint);
+    }
+}
+
+/// A ship as a hull in outline at its place, and the rectangle around its wake's wedge.
+void add_ship(Drawing& drawing, const PlacedBox& b) {
+    const int64_t u = b.box.length;
+    const int64_t v = b.box.width / 2;
+    constexpr int64_t half_length = 50 * lattice_per_metre, half_beam = 9 * lattice_per_metre;
+    const LatticePoint bow = b.at(u + half_length, v);
+    for (const int64_t side : {-half_beam, half_beam}) {
+        drawing.line(b.at(u - half_length, v + side), b.at(u + half_length / 2, v + side), outline_height,
+                     ship_tint);
+        drawing.line(b.at(u + half_length / 2, v + side), bow, outline_height, ship_tint);
+    }
+    drawing.line(b.at(u - half_length, v - half_beam), b.at(u - half_length, v + half_beam), outline_height,
+                 ship_tint);
+    const int64_t rear = std::min(b.instant.wake_rear, b.box.length);
+    const int64_t front = std::min(b.instant.wake_front, rear);
+    const int64_t aside = std::min(rear * 3 / 8, v);
+    add_rectangle(drawing, b, u - rear, u - front, v - aside, v + aside, wake_tint);
+    // The cusp lines at arctan(1/sqrt 8) = 19.47 degrees.
+    for (const int64_t sign : {-1, 1})
+        drawing.line(b.at(u, v), b.at(u - rear, v + sign * rear * 35355 / 100'000), outline_height,
+                     wake_tint);
+}
+
+/// The box, the part of it inside its ramps, and an arrow along its travel; its course, its ship. Unlimited boxes have no
+/// outline.
+void add_box(Drawing& drawing, const WaveTrainBox& box, SeaTime now) {
     if (box.length == 0 || box.width == 0) return;
-    add_rectangle(drawing, box, 0, box.length, 0, box.width, box_tint);
+    const PlacedBox b{box, instant_of(box, now)};
+    if (!box.course.empty()) add_course(drawing, b, now);
+    add_rectangle(drawing, b, 0, box.length, 0, box.width, box_tint);
+    if (has_wake(box.wake)) {
+        add_ship(drawing, b);
+        return;
+    }
     const int64_t u1 = box.length - box.ramp_front;
     const int64_t v1 = box.width - box.ramp_side;
     if (u1 > box.ramp_rear && v1 > box.ramp_side)
-        add_rectangle(drawing, box, box.ramp_rear, u1, box.ramp_side, v1, ramp_tint);
-    const LatticePoint tip = place_in(box, box.length * 5 / 8, box.width / 2);
-    drawing.line(place_in(box, box.length * 3 / 8, box.width / 2), tip, 3.0F, box_tint);
-    drawing.line(place_in(box, box.length * 9 / 16, box.width * 7 / 16), tip, 3.0F, box_tint);
-    drawing.line(place_in(box, box.length * 9 / 16, box.width * 9 / 16), tip, 3.0F, box_tint);
+        add_rectangle(drawing, b, box.ramp_rear, u1, box.ramp_side, v1, ramp_tint);
+    const LatticePoint tip = b.at(box.length * 5 / 8, box.width / 2);
+    drawing.line(b.at(box.length * 3 / 8, box.width / 2), tip, outline_height, box_tint);
+    drawing.line(b.at(box.length * 9 / 16, box.width * 7 / 16), tip, outline_height, box_tint);
+    drawing.line(b.at(box.length * 9 / 16, box.width * 9 / 16), tip, outline_height, box_tint);
 }
 
 void add_patch(Drawing& drawing, PatchKey key) {
@@ -144,7 +208,7 @@ DebugLines make_debug_lines(const SceneInput& input, const InterestState& state,
     if (options.patches)
         for (const PatchKey key : mesh.drawn) add_patch(drawing, key);
     if (options.boxes)
-        for (const auto& [id, box] : state.boxes) add_box(drawing, *box);
+        for (const auto& [id, box] : state.boxes) add_box(drawing, *box, input.now);
     if (options.rays)
         for (const WaveRay& ray : input.rays) add_ray(drawing, ray);
     return out;

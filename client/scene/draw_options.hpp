@@ -6,6 +6,7 @@
 
 #include "client/scene/camera.hpp"
 #include "protocol/model/displayed.hpp"
+#include "protocol/model/sea.hpp"
 
 namespace trochoid {
 
@@ -20,11 +21,12 @@ struct DrawOptions {
     uint32_t samples = 1;  ///< per pixel
     uint32_t triangles_per_draw = 4'000;
     bool wireframe = false;
-    bool boxes = false;          ///< outlines of wave train boxes
-    bool rays = false;           ///< wave rays and action points
-    bool patches = false;        ///< outlines of sea patches, coloured by level
-    bool fields = false;         ///< gain of land fields in false colours
-    bool authoritative = false;  ///< no train fades with distance: for tests
+    bool boxes = false;                ///< outlines of wave train boxes
+    bool rays = false;                 ///< wave rays and action points
+    bool patches = false;              ///< outlines of sea patches, coloured by level
+    bool fields = false;               ///< gain of land fields in false colours
+    Layers layers = displayed_layers;  ///< what the sea's sum is made of
+    bool authoritative = false;        ///< no train fades with distance: for tests
     bool land = true;
     bool far_sea = true;
     bool sky = true;

@@ -35,6 +35,39 @@ Result<std::map<FieldId, std::shared_ptr<const LandField>>> fields_of(
     return all;
 }
 
+/// An error where a field and the one that it lies over have two lattice steps: their blocks do not cover each other.
+Result<Done> overlays_fit(const WaveTrainBox& box,
+                          const std::map<FieldId, std::shared_ptr<const LandField>>& fields) {
+    for (const FieldOverlay& overlay : box.overlays) {
+        const auto field = fields.find(overlay.field);
+        const auto base = fields.find(overlay.base);
+        if (field != fields.end() && base != fields.end() &&
+            field->second->step_log2() != base->second->step_log2())
+            return out_of_range(
+                fmt::format("land fields {} and {}, one over the other, have two lattice steps",
+                            overlay.field.value, overlay.base.value));
+    }
+    return Done{};
+}
+
+/// Whether the box reads one of the fields, through its overlays too.
+bool reads_any_of(const WaveTrainBox& box, const std::set<FieldId>& fields) {
+    return std::any_of(box.trains.begin(), box.trains.end(),
+                       [&](const WaveTrain& train) { return fields.contains(train.field); }) ||
+           std::any_of(box.overlays.begin(), box.overlays.end(),
+                       [&](const FieldOverlay& overlay) { return fields.contains(overlay.base); });
+}
+
+/// The first sea time at which two records of a box may differ, as events change them; end_of_time where none does.
+SeaTime differ_from(const WaveTrainBox& a, const WaveTrainBox& b) {
+    SeaTime first = end_of_time;
+    if (a.end != b.end) first = std::min(a.end, b.end);
+    const auto [at, bt] = std::mismatch(a.course.begin(), a.course.end(), b.course.begin(), b.course.end());
+    if (at != a.course.end()) first = std::min(first, at->from);
+    if (bt != b.course.end()) first = std::min(first, bt->from);
+    return first;
+}
+
 /// The grid that a hello's terrain names, without its heights: what tile keys are checked against.
 TerrainGrid outline_of(const TerrainInfo& info) {
     TerrainGrid grid;
@@ -151,6 +184,8 @@ Result<Done> ClientStore::finish_result(const Delta& last_piece) {
                                         state_.patches.size(), hello_->limits.patches));
     auto fields = fields_of(state_, touched_fields_, fields_);
     if (!fields) return fields.error();
+    for (const auto& [id, box] : state_.boxes)
+        if (auto fit = overlays_fit(*box, *fields); !fit) return fit.error();
     applied_ = last_piece.result;
     ++counters_.results;
     count_late_events(last_piece.key);
@@ -181,9 +216,7 @@ ClientStore::PreparedBoxes ClientStore::prepare_boxes(const Fields& fields) cons
     for (const auto& [id, record] : state_.boxes) {
         const auto old = prepared_.find(id);
         const bool kept =
-            old != prepared_.end() && !touched_boxes_.contains(id) &&
-            std::none_of(record->trains.begin(), record->trains.end(),
-                         [&](const WaveTrain& train) { return touched_fields_.contains(train.field); });
+            old != prepared_.end() && !touched_boxes_.contains(id) && !reads_any_of(*record, touched_fields_);
         prepared[id] = kept ? old->second : prepare(*record, all);
     }
     return prepared;
@@ -198,9 +231,8 @@ void ClientStore::count_late_events(const CullKey& key) {
         const auto now = state_.boxes.find(id);
         if (now == state_.boxes.end()) continue;
         const auto old = before.interest->boxes.find(id);
-        const SeaTime changes = old == before.interest->boxes.end()
-                                    ? now->second->begin
-                                    : std::min(now->second->end, old->second->end);
+        const SeaTime changes = old == before.interest->boxes.end() ? now->second->begin
+                                                                    : differ_from(*now->second, *old->second);
         if (changes < before.watermark) ++counters_.late_events;
     }
 }

@@ -52,6 +52,27 @@ ClientMessage unpack(Scrutiny& check, const wire_fb::Ack& m) {
     return out;
 }
 
+StartShip unpack(Scrutiny& check, const wire_fb::StartShip& a) {
+    StartShip out;
+    const auto* ship = check.present("ship", a.ship());
+    if (ship == nullptr) return out;
+    out.at = check.place("ship", ship->x(), ship->z());
+    out.towards_degrees = unpack_heading(check, "ship.towards_degrees", ship->towards_degrees());
+    out.speed = check.within("ship.speed", ship->speed(), slowest_ship, fastest_ship);
+    out.length = check.within("ship.length", ship->length(), 1.0F, longest_ship);
+    out.beam = check.within("ship.beam", ship->beam(), 0.0F, longest_ship);
+    check.require(out.beam <= out.length, "ship.beam is above ship.length");
+    out.name = check.text("name", a.name(), longest_ship_name);
+    return out;
+}
+
+Steer unpack(Scrutiny& check, const wire_fb::Steer& a) {
+    Steer out{{a.box()}, 0.0F, 0.0F};
+    out.towards_degrees = unpack_heading(check, "towards_degrees", a.towards_degrees());
+    out.speed = check.within("speed", a.speed(), 0.0F, fastest_wind_box);
+    return out;
+}
+
 ClientMessage unpack(Scrutiny& check, const wire_fb::Command& m) {
     Command out;
     out.sequence = m.sequence();
@@ -70,6 +91,15 @@ ClientMessage unpack(Scrutiny& check, const wire_fb::Command& m) {
             if (present)
                 out.action = SetRate{
                     check.within("rate_q16", m.action_as_SetRate()->rate_q16(), 0U, largest_rate_q16)};
+            break;
+        case wire_fb::Action::StartShip:
+            if (present) out.action = unpack(check, *m.action_as_StartShip());
+            break;
+        case wire_fb::Action::Steer:
+            if (present) out.action = unpack(check, *m.action_as_Steer());
+            break;
+        case wire_fb::Action::ChangeLand:
+            if (present) out.action = unpack(check, *m.action_as_ChangeLand());
             break;
         default: check.refuse(ErrorCode::unknown_message, "the command's action is none of the standard's");
     }

@@ -171,6 +171,11 @@ BoxSummary unpack_summary(Scrutiny& check, const wire_fb::BoxSummary& s) {
     out.wind_speed = check.finite("a box's wind_speed", s.wind_speed());
     out.towards_degrees = check.finite("a box's towards_degrees", s.towards_degrees());
     out.gain_now = check.finite("a box's gain_now", s.gain_now());
+    check.require(s.kind() <= wire_fb::BoxKind::MAX, "a box's kind is none of the standard's");
+    out.kind = static_cast<BoxKind>(s.kind());
+    out.at = check.place("a box's place", s.x(), s.z());
+    out.vx = check.finite("a box's vx", s.vx());
+    out.vz = check.finite("a box's vz", s.vz());
     return out;
 }
 

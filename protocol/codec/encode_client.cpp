@@ -81,6 +81,20 @@ struct ActionEncoder {
         tag = wire_fb::Action::SetRate;
         return wire_fb::CreateSetRate(b, a.rate_q16).Union();
     }
+    flatbuffers::Offset<void> operator()(const StartShip& a) {
+        tag = wire_fb::Action::StartShip;
+        const auto name = b.CreateString(a.name);
+        const wire_fb::Ship ship(a.at.x, a.at.z, a.towards_degrees, a.speed, a.length, a.beam);
+        return wire_fb::CreateStartShip(b, &ship, name).Union();
+    }
+    flatbuffers::Offset<void> operator()(const Steer& a) {
+        tag = wire_fb::Action::Steer;
+        return wire_fb::CreateSteer(b, a.box.value, a.towards_degrees, a.speed).Union();
+    }
+    flatbuffers::Offset<void> operator()(const ChangeLand& a) {
+        tag = wire_fb::Action::ChangeLand;
+        return pack(b, a).Union();
+    }
 };
 
 flatbuffers::Offset<void> ClientEncoder::operator()(const Command& m) {

@@ -6,8 +6,8 @@ namespace trochoid {
 
 namespace {
 
-/// Envelope, body, box.
-constexpr flatbuffers::uoffset_t most_tables = 16;
+/// Envelope, body, change, and two tables for each box that goes on.
+constexpr flatbuffers::uoffset_t most_tables = 4096;
 
 struct EventEncoder {
     Builder& b;
@@ -29,7 +29,42 @@ struct EventEncoder {
         const auto clock = pack(e.clock);
         return wire_fb::CreateClockChanged(b, &clock).Union();
     }
+    flatbuffers::Offset<void> operator()(const BoxSteered& e) {
+        tag = wire_fb::EventBody::BoxSteered;
+        const auto leg = pack(e.leg);
+        return wire_fb::CreateBoxSteered(b, e.box.value, &leg).Union();
+    }
+    flatbuffers::Offset<void> operator()(const LandChanged& e) {
+        tag = wire_fb::EventBody::LandChanged;
+        const auto change = pack(b, e.change);
+        std::vector<flatbuffers::Offset<wire_fb::BoxSucceeded>> boxes;
+        boxes.reserve(e.boxes.size());
+        for (const BoxSucceeded& s : e.boxes) {
+            const auto box = pack(b, s.box);
+            boxes.push_back(wire_fb::CreateBoxSucceeded(b, s.predecessor.value, box));
+        }
+        const auto boxes_at = b.CreateVector(boxes);
+        return wire_fb::CreateLandChanged(b, change, boxes_at).Union();
+    }
 };
+
+LandChanged unpack(Scrutiny& check, const wire_fb::LandChanged& changed) {
+    LandChanged out;
+    if (const auto* change = check.present("change", changed.change())) out.change = unpack(check, *change);
+    const auto* boxes = check.list("boxes", changed.boxes(), Limits{}.boxes, ErrorCode::too_many_boxes);
+    if (boxes == nullptr) return out;
+    for (const wire_fb::BoxSucceeded* s : *boxes) {
+        if (check.refused()) return out;
+        BoxSucceeded next{{s->predecessor()}, {}};
+        check.require(
+            out.boxes.empty() ? next.predecessor.value != 0 : out.boxes.back().predecessor < next.predecessor,
+            "the boxes are not by ascending predecessor above 0");
+        if (const auto* box = check.present("box", s->box())) next.box = unpack(check, *box);
+        check.require(next.predecessor < next.box.id, "a successor's id is not above its predecessor's");
+        out.boxes.push_back(std::move(next));
+    }
+    return out;
+}
 
 void unpack_body(Scrutiny& check, const wire_fb::EventEnvelope& e, LogEvent& out) {
     if (e.body_type() < wire_fb::EventBody::BoxStarted || e.body_type() > wire_fb::EventBody::MAX)
@@ -46,6 +81,10 @@ void unpack_body(Scrutiny& check, const wire_fb::EventEnvelope& e, LogEvent& out
         out.what = BoxEnding{{ending->box()}, check.sea_time("end_us", ending->end_us())};
     } else if (const auto* changed = e.body_as_ClockChanged()) {
         out.what = ClockChanged{unpack(check, changed->clock())};
+    } else if (const auto* steered = e.body_as_BoxSteered()) {
+        out.what = BoxSteered{{steered->box()}, unpack(check, steered->leg())};
+    } else if (const auto* land = e.body_as_LandChanged()) {
+        out.what = unpack(check, *land);
     }
 }
 

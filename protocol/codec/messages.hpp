@@ -27,7 +27,7 @@ struct Limits {
     uint32_t sync_regions = 32;
     uint32_t sync_radius = 2048U * 1024U;  ///< lattice units, 2 km
     uint32_t patches = 1024;
-    uint32_t trains_per_box = 64;
+    uint32_t trains_per_box = 256;
     uint32_t boxes = 1024;
     uint32_t commands_per_second = 20;
     uint32_t sample_points = 240;
@@ -80,6 +80,22 @@ struct Ack {
     bool operator==(const Ack&) const = default;
 };
 
+/// Ranges of what a director asks for, beside those at the fields.
+inline constexpr float fastest_wind_box = 100.0F;     ///< m/s: a storm that moves
+inline constexpr float shallowest_reference = 1.0F;   ///< m
+inline constexpr float deepest_reference = 12000.0F;  ///< m
+inline constexpr float slowest_ship = 0.5F;           ///< m/s
+inline constexpr float fastest_ship = 30.0F;
+inline constexpr float longest_ship = 500.0F;    ///< m
+inline constexpr size_t longest_ship_name = 64;  ///< bytes
+inline constexpr size_t most_line_points = 64;
+
+/// Spectrum that a wind's trains are drawn from (rows B1, C2); `automatic` takes JONSWAP where the fetch limits the sea, else
+/// Pierson-Moskowitz.
+enum class Spectrum : uint8_t { automatic = 0, pierson_moskowitz = 1, jonswap = 2, neumann = 3 };
+/// How directions spread about the heading (row B1): cos^2, or Hasselmann, Dunckel and Ewing (1980).
+enum class Spreading : uint8_t { automatic = 0, cosine_squared = 1, hasselmann = 2 };
+
 /// Wind as a director asks for it (row A2).
 struct StartWind {
     float speed = 10.0F;           ///< m/s at 19.5 m, 1 to 40
@@ -88,13 +104,50 @@ struct StartWind {
     int64_t fetch = 0;             ///< lattice units along travel
     int64_t width = 0;             ///< lattice units across
     int64_t life_us = 0;           ///< until decay starts; 0 = until stopped
-    uint16_t trains = 16;          ///< 1 to 64
+    uint16_t trains = 16;          ///< 1 to 256
     uint64_t seed = 0;             ///< phases and directions; 0 = the server chooses
+    Spectrum spectrum = Spectrum::automatic;
+    Spreading spreading = Spreading::automatic;
+    /// Directions of each frequency (paper C's M x n partition: trains = M * directions); 0: every train has its own. A
+    /// divisor of `trains`.
+    uint16_t directions = 0;
+    float reference_depth =
+        0.0F;  ///< m, depth that the trains' frequencies are for (row B2): 0 = deep, or 1 to 12000
+    float roundness = 0.0F;     ///< 0 to 1: round waves (eq. 10)
+    float irregularity = 0.0F;  ///< 0 to 1: a/A of irregular heights (eq. 8)
+    float noise = 0.0F;         ///< m, capillary noise that the wind adds to its water (eq. 9), 0 to 1
+    float vx = 0.0F;            ///< m/s east: a storm that moves (row A12); length of (vx, vz) up to 100
+    float vz = 0.0F;            ///< m/s south
     bool operator==(const StartWind&) const = default;
 };
 struct StopWind {
     BoxId box;
     bool operator==(const StopWind&) const = default;
+};
+/// A ship begins its course: a box with its Kelvin wake (rows A12, B11).
+struct StartShip {
+    LatticePoint at;
+    float towards_degrees = 0.0F;  ///< course, clockwise from north, [0, 360)
+    float speed = 5.0F;            ///< m/s, 0.5 to 30
+    float length = 100.0F;         ///< m, of the hull at the water line, 1 to 500
+    float beam = 0.0F;             ///< m, up to the length; 0: a seventh of it
+    std::string name;              ///< up to 64 bytes; empty: "ship N"
+    bool operator==(const StartShip&) const = default;
+};
+/// A moving wind's or ship's new course. A ship's old leg is left to decay and the reply names the new leg's box.
+struct Steer {
+    BoxId box;
+    float towards_degrees = 0.0F;
+    float speed = 0.0F;  ///< m/s: ships 0 (stops) to 30, winds 0 to 100
+    bool operator==(const Steer&) const = default;
+};
+/// The bed is raised (or dug) to `crest` along a line: a breakwater, a mole, a channel (row A5: land that changes while running).
+struct ChangeLand {
+    std::vector<LatticePoint> line;  ///< 2 to 64 points
+    float width = 20.0F;             ///< m of the crest, 1 to 2000
+    float crest = 3.0F;              ///< m above still water, -200 to 200
+    bool dig = false;                ///< lowers what is higher instead of raising what is lower
+    bool operator==(const ChangeLand&) const = default;
 };
 struct ListBoxes {
     bool operator==(const ListBoxes&) const = default;
@@ -107,7 +160,7 @@ struct Command {
     uint32_t sequence = 0;
     SeaTime at;                   ///< asked effective time; the past means "as soon as possible"
     bool refuse_if_late = false;  ///< refuse instead of deferring when `at` cannot be met
-    std::variant<StartWind, StopWind, ListBoxes, SetRate> action;
+    std::variant<StartWind, StopWind, ListBoxes, SetRate, StartShip, Steer, ChangeLand> action;
     bool operator==(const Command&) const = default;
 };
 
@@ -219,6 +272,8 @@ struct CommandReply {
     bool operator==(const CommandReply&) const = default;
 };
 
+/// What a box is to a director: waves of the scene, a wind's, a ship's wake, or noise alone.
+enum class BoxKind : uint8_t { waves = 0, wind = 1, ship = 2, noise = 3 };
 /// A line of `trochoid-ctl list`.
 struct BoxSummary {
     BoxId box;
@@ -231,6 +286,11 @@ struct BoxSummary {
     float wind_speed = 0.0F;          ///< m/s
     float towards_degrees = 0.0F;
     float gain_now = 0.0F;  ///< time part of the envelope at the reply's sea time
+    BoxKind kind = BoxKind::waves;
+    LatticePoint
+        at;  ///< at the reply's sea time: a ship's place, else the middle of the rear edge (the corner where unlimited)
+    float vx = 0.0F;  ///< m/s at the reply's sea time; 0 where the box stands
+    float vz = 0.0F;
     bool operator==(const BoxSummary&) const = default;
 };
 struct BoxList {
@@ -277,6 +337,24 @@ struct BoxEnding {
     SeaTime end;
     bool operator==(const BoxEnding&) const = default;
 };
+/// A moving box takes a new leg.
+struct BoxSteered {
+    BoxId box;
+    CourseLeg leg;
+    bool operator==(const BoxSteered&) const = default;
+};
+/// A box goes on under another id from the moment on which its land is another: the predecessor's decay is the successor's fade.
+struct BoxSucceeded {
+    BoxId predecessor;
+    WaveTrainBox box;
+    bool operator==(const BoxSucceeded&) const = default;
+};
+/// The bed has changed, and with it the boxes whose waves it touches. Each node derives the new land fields by itself.
+struct LandChanged {
+    ChangeLand change;
+    std::vector<BoxSucceeded> boxes;  ///< ascending predecessor
+    bool operator==(const LandChanged&) const = default;
+};
 /// Rate or jump: a new time epoch. monotonic_start_us is of the node that wrote it; another node substitutes its own.
 struct ClockChanged {
     SeaClock clock;
@@ -285,7 +363,7 @@ struct ClockChanged {
 struct LogEvent {
     uint64_t event_id = 0;  ///< unique; the same id again is the same event
     SeaTime effective;
-    std::variant<BoxStarted, BoxEnding, ClockChanged> what;
+    std::variant<BoxStarted, BoxEnding, ClockChanged, BoxSteered, LandChanged> what;
     bool operator==(const LogEvent&) const = default;
 };
 

@@ -100,14 +100,24 @@ Bytes code_nodes(const LandBlock& block) {
     Bytes out;
     append_plane(out, std::span<const int32_t>(block.shift), block_nodes);
     append_plane(out, std::span<const uint16_t>(block.gain), block_nodes);
+    if (block.orbit != LandBlock::unit_orbits())
+        append_plane(out, std::span<const uint16_t>(block.orbit), block_nodes);
     return out;
 }
 
 Result<Done> read_nodes(std::span<const uint8_t> in, LandBlock& block) {
+    const Error uncoded{ErrorCode::value_out_of_range,
+                        "a land block's nodes are not 17 x 17 shifts, gains and orbits in the plane coding"};
     if (!read_plane(in, std::span<int32_t>(block.shift), block_nodes) ||
-        !read_plane(in, std::span<uint16_t>(block.gain), block_nodes) || !in.empty())
-        return Error{ErrorCode::value_out_of_range,
-                     "a land block's nodes are not 17 x 17 shifts and gains in the plane coding"};
+        !read_plane(in, std::span<uint16_t>(block.gain), block_nodes))
+        return uncoded;
+    block.orbit = LandBlock::unit_orbits();
+    if (!in.empty()) {
+        if (!read_plane(in, std::span<uint16_t>(block.orbit), block_nodes) || !in.empty()) return uncoded;
+        if (block.orbit == LandBlock::unit_orbits())
+            return Error{ErrorCode::value_out_of_range,
+                         "a land block's orbits are all 1: such a plane is left out"};
+    }
     return validate(block);
 }
 

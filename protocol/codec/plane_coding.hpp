@@ -16,7 +16,8 @@ void append_plane(Bytes& out, std::span<const T> values, size_t columns);
 template <class T>
 bool read_plane(std::span<const uint8_t>& in, std::span<T> values, size_t columns);
 
-/// A land block's shifts and gains, one plane after the other; the key is not among them.
+/// A land block's shifts, gains and orbits, one plane after the other, orbits only where they are not all 1; the key is not
+/// among them.
 Bytes code_nodes(const LandBlock& block);
 Result<Done> read_nodes(std::span<const uint8_t> in, LandBlock& block);
 

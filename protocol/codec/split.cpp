@@ -12,15 +12,26 @@ namespace {
 // their members, a vtable that is shared at best, and padding. The tests hold them against real encodings.
 constexpr size_t lists_cost = 10 * 24;  // ten lists: place in the table, vtable slot, length, padding
 constexpr size_t box_cost = 104 + 24 + 24 + 32;
+constexpr size_t extras_cost = 24 + 8 + 8 + 16 + 36 + 16 + 20 + 8;  // members, lengths, structs, padding
 constexpr size_t train_cost = 28;
 constexpr size_t field_cost = 5;  // an entry of fields and one of field_of_train
+constexpr size_t overlay_cost = 8;
+constexpr size_t leg_cost = 40;
 constexpr size_t block_cost = 16;
 constexpr size_t patch_cost = 20;
 constexpr size_t patch_box_cost = 4 + 4;  // and perhaps a new entry of box_ids
 constexpr size_t name_cost = 12;
 constexpr size_t id_cost = 4;
 
-size_t cost_of(const WaveTrainBox& box) { return box_cost + box.trains.size() * (train_cost + field_cost); }
+bool plain(const WaveTrainBox& box) {
+    return box.raised_us == 0 && box.fade_us == 0 && box.overlays.empty() && box.course.empty() &&
+           box.irregular == IrregularHeight{} && box.noise == SurfaceNoise{} && box.wake == ShipWake{};
+}
+
+size_t cost_of(const WaveTrainBox& box) {
+    return box_cost + box.trains.size() * (train_cost + field_cost) + (plain(box) ? 0 : extras_cost) +
+           box.overlays.size() * overlay_cost + box.course.size() * leg_cost;
+}
 size_t cost_of(const FieldBlock& block) { return block_cost + code_nodes(*block.block).size(); }
 size_t cost_of(const PatchDescriptor& patch) { return patch_cost + patch.boxes.size() * patch_box_cost; }
 

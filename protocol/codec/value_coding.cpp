@@ -1,9 +1,5 @@
 #include "protocol/codec/value_coding.hpp"
 
-#include <algorithm>
-
-#include "protocol/units/assert.hpp"
-
 namespace trochoid {
 
 wire_fb::View pack(const ViewState& v) {
@@ -87,8 +83,24 @@ SeaClock unpack(Scrutiny& check, const wire_fb::Clock* clock) {
 }
 
 wire_fb::Wind pack(const StartWind& w) {
-    return {w.origin.x, w.origin.z, w.fetch,           w.width, w.life_us,
-            w.seed,     w.speed,    w.towards_degrees, w.trains};
+    return {w.origin.x,
+            w.origin.z,
+            w.fetch,
+            w.width,
+            w.life_us,
+            w.seed,
+            w.speed,
+            w.towards_degrees,
+            w.reference_depth,
+            w.roundness,
+            w.irregularity,
+            w.noise,
+            w.vx,
+            w.vz,
+            w.trains,
+            w.directions,
+            static_cast<wire_fb::Spectrum>(w.spectrum),
+            static_cast<wire_fb::Spreading>(w.spreading)};
 }
 
 namespace {
@@ -103,12 +115,31 @@ StartWind unpack_wind(Scrutiny& check, const wire_fb::Wind* wind, float least_sp
     w.life_us = check.within("wind.life_us", wind->life_us(), int64_t{0}, sea_time_bound);
     w.seed = wind->seed();
     w.speed = check.within("wind.speed", wind->speed(), least_speed, 40.0F);
-    w.towards_degrees = check.within("wind.towards_degrees", wind->towards_degrees(), 0.0F, 360.0F);
-    check.require(w.towards_degrees < 360.0F, "wind.towards_degrees is 360: say 0");
+    w.towards_degrees = unpack_heading(check, "wind.towards_degrees", wind->towards_degrees());
     w.trains = wind->trains();
     check.require(w.trains <= most_trains, "the wind has more trains than a box may",
                   ErrorCode::too_many_trains);
     check.require(w.trains >= least_trains, "the wind has no trains");
+    w.directions = wind->directions();
+    check.require(w.directions == 0 || (w.directions <= w.trains && w.trains % w.directions == 0),
+                  "wind.directions does not divide wind.trains");
+    check.require(wind->spectrum() <= wire_fb::Spectrum::MAX, "wind.spectrum is none of the standard's");
+    w.spectrum = static_cast<Spectrum>(wind->spectrum());
+    check.require(wind->spreading() <= wire_fb::Spreading::MAX, "wind.spreading is none of the standard's");
+    w.spreading = static_cast<Spreading>(wind->spreading());
+    w.reference_depth =
+        check.within("wind.reference_depth", wind->reference_depth(), 0.0F, deepest_reference);
+    check.require(w.reference_depth == 0.0F || w.reference_depth >= shallowest_reference,
+                  "wind.reference_depth is neither 0 (deep water) nor 1 m or more");
+    w.roundness = check.within("wind.roundness", wind->roundness(), 0.0F, 1.0F);
+    w.irregularity = check.within("wind.irregularity", wind->irregularity(), 0.0F, 1.0F);
+    w.noise = check.within("wind.noise", wind->noise(), 0.0F, 1.0F);
+    w.vx = check.within("wind.vx", wind->vx(), -fastest_wind_box, fastest_wind_box);
+    w.vz = check.within("wind.vz", wind->vz(), -fastest_wind_box, fastest_wind_box);
+    // In float64 both squares are exact; the slack is for components that were rounded from a heading.
+    const auto square = [](float v) { return static_cast<double>(v) * static_cast<double>(v); };
+    check.require(square(w.vx) + square(w.vz) <= 1.0001 * square(fastest_wind_box),
+                  "the wind's box moves faster than 100 m/s");
     return w;
 }
 
@@ -122,79 +153,31 @@ StartWind unpack_logged(Scrutiny& check, const wire_fb::Wind* wind) {
     return unpack_wind(check, wind, 0.0F, 0, most_trains_in_a_box);
 }
 
-flatbuffers::Offset<wire_fb::Box> pack(Builder& builder, const WaveTrainBox& box) {
-    std::vector<wire_fb::Train> trains;
-    std::vector<uint32_t> fields;
-    Bytes field_of_train;
-    trains.reserve(box.trains.size());
-    bool any_field = false;
-    for (const WaveTrain& t : box.trains) {
-        trains.emplace_back(t.kx, t.kz, static_cast<uint32_t>(t.omega), static_cast<uint32_t>(t.omega >> 32),
-                            t.phase, t.amplitude, t.choppiness);
-        const auto known = std::find(fields.begin(), fields.end(), t.field.value);
-        const auto index = known - fields.begin();
-        if (known == fields.end()) fields.push_back(t.field.value);
-        field_of_train.push_back(static_cast<uint8_t>(index));
-        any_field = any_field || t.field.value != 0;
-    }
-    TROCHOID_ASSERT(fields.size() <= most_trains_in_a_box, "box {} has {} fields", box.id.value,
-                    fields.size());
-    const wire_fb::BoxHead head(box.origin.x, box.origin.z, box.length, box.width, box.begin.us,
-                                box.build_up_us, box.end.us, box.decay_us, box.id.value,
-                                box.first_train.value, box.ux, box.uz, box.ramp_rear, box.ramp_front,
-                                box.ramp_side, box.front_speed, box.gain_max);
-    const auto trains_at = builder.CreateVectorOfStructs(trains);
-    const auto fields_at = any_field ? builder.CreateVector(fields) : 0;
-    const auto field_of_train_at = any_field ? builder.CreateVector(field_of_train) : 0;
-    return wire_fb::CreateBox(builder, &head, trains_at, fields_at, field_of_train_at);
+float unpack_heading(Scrutiny& check, const char* name, float degrees) {
+    const float heading = check.within(name, degrees, 0.0F, 360.0F);
+    if (heading == 360.0F) check.refuse(ErrorCode::value_out_of_range, fmt::format("{} is 360: say 0", name));
+    return heading;
 }
 
-namespace {
-
-void unpack_fields(Scrutiny& check, const wire_fb::Box& box, std::vector<WaveTrain>& trains) {
-    if (box.fields() == nullptr && box.field_of_train() == nullptr) return;
-    const auto* fields = check.list("box.fields", box.fields(), most_trains_in_a_box);
-    const auto* field_of_train = check.list("box.field_of_train", box.field_of_train(), most_trains_in_a_box);
-    if (fields == nullptr || field_of_train == nullptr) return;
-    check.require(field_of_train->size() == trains.size(), "box.field_of_train has not one entry a train");
-    for (uint32_t i = 0; i < field_of_train->size() && !check.refused(); ++i) {
-        check.require(field_of_train->Get(i) < fields->size(),
-                      "box.field_of_train points outside box.fields");
-        if (!check.refused()) trains[i].field = {fields->Get(field_of_train->Get(i))};
-    }
+flatbuffers::Offset<wire_fb::ChangeLand> pack(Builder& builder, const ChangeLand& change) {
+    std::vector<wire_fb::Point> line;
+    line.reserve(change.line.size());
+    for (const LatticePoint& p : change.line) line.emplace_back(p.x, p.z);
+    return wire_fb::CreateChangeLand(builder, builder.CreateVectorOfStructs(line), change.width, change.crest,
+                                     change.dig);
 }
 
-}  // namespace
-
-WaveTrainBox unpack(Scrutiny& check, const wire_fb::Box& packed) {
-    WaveTrainBox box;
-    const auto* head = check.present("box.head", packed.head());
-    const auto* trains =
-        check.list("box.trains", packed.trains(), most_trains_in_a_box, ErrorCode::too_many_trains);
-    if (head == nullptr || trains == nullptr) return box;
-    box.id = {head->id()};
-    box.first_train = {head->first_train()};
-    box.origin = {head->x(), head->z()};
-    box.ux = head->ux();
-    box.uz = head->uz();
-    box.length = head->length();
-    box.width = head->width();
-    box.ramp_rear = head->ramp_rear();
-    box.ramp_front = head->ramp_front();
-    box.ramp_side = head->ramp_side();
-    box.begin = {head->begin_us()};
-    box.build_up_us = head->build_up_us();
-    box.end = {head->end_us()};
-    box.decay_us = head->decay_us();
-    box.front_speed = head->front_speed();
-    box.gain_max = head->gain_max();
-    box.trains.reserve(trains->size());
-    for (const wire_fb::Train* t : *trains)
-        box.trains.push_back({t->kx(), t->kz(), (uint64_t{t->omega_high()} << 32) | t->omega_low(),
-                              t->phase(), t->amplitude(), t->choppiness(), FieldId{}});
-    unpack_fields(check, packed, box.trains);
-    check.require(validate(box));
-    return box;
+ChangeLand unpack(Scrutiny& check, const wire_fb::ChangeLand& change) {
+    ChangeLand out;
+    const auto* line = check.list("line", change.line(), most_line_points);
+    if (line == nullptr) return out;
+    check.require(line->size() >= 2, "line has fewer than 2 points");
+    out.line.reserve(line->size());
+    for (const wire_fb::Point* p : *line) out.line.push_back(check.place("a point of line", p->x(), p->z()));
+    out.width = check.within("width", change.width(), 1.0F, 2000.0F);
+    out.crest = check.within("crest", change.crest(), -200.0F, 200.0F);
+    out.dig = change.dig();
+    return out;
 }
 
 wire_fb::Code pack(ErrorCode code) { return static_cast<wire_fb::Code>(code); }

@@ -32,6 +32,16 @@ StartWind unpack_asked(Scrutiny& check, const wire_fb::Wind* wind);
 /// A wind as the log keeps it: speed 0 and 0 trains say that the box came from a scene, not from a wind.
 StartWind unpack_logged(Scrutiny& check, const wire_fb::Wind* wind);
 
+/// A heading that waves or a ship travel towards: degrees clockwise from north, [0, 360).
+float unpack_heading(Scrutiny& check, const char* name, float degrees);
+
+flatbuffers::Offset<wire_fb::ChangeLand> pack(Builder& builder, const ChangeLand& change);
+ChangeLand unpack(Scrutiny& check, const wire_fb::ChangeLand& change);
+
+wire_fb::Leg pack(const CourseLeg& leg);
+/// Validated as a course of one leg.
+CourseLeg unpack(Scrutiny& check, const wire_fb::Leg* leg);
+
 flatbuffers::Offset<wire_fb::Box> pack(Builder& builder, const WaveTrainBox& box);
 /// Validated as a whole by validate(WaveTrainBox).
 WaveTrainBox unpack(Scrutiny& check, const wire_fb::Box& box);

@@ -18,6 +18,23 @@ void add(Hash64& hash, const WaveTrain& t) {
     hash.i32(t.kx).i32(t.kz).u64(t.omega).u32(t.phase).f32(t.amplitude).f32(t.choppiness).u32(t.field.value);
 }
 
+void add(Hash64& hash, const CourseLeg& leg) {
+    hash.i64(leg.from.us).i64(leg.duration_us).i64(leg.origin.x).i64(leg.origin.z).i32(leg.vx).i32(leg.vz);
+}
+
+void add(Hash64& hash, const IrregularHeight& i) {
+    hash.u16(i.share).i32(i.ukx).i32(i.ukz).i32(i.vkx).i32(i.vkz).u64(i.omega).u32(i.phase_u).u32(i.phase_v);
+}
+
+void add(Hash64& hash, const SurfaceNoise& n) {
+    hash.f32(n.amplitude).u16(n.persistence).u8(n.octaves).u8(n.step_log2).u8(n.period_log2);
+    hash.u8(n.displayed_only ? 1 : 0).u32(n.seed);
+}
+
+void add(Hash64& hash, const ShipWake& w) {
+    hash.f32(w.transverse).f32(w.diverging).f32(w.choppiness).u32(w.inverse_length).u32(w.group_speed);
+}
+
 void add(Hash64& hash, const PatchDescriptor& p) {
     hash.u8(p.key.level).i32(p.key.x).i32(p.key.z).u32(static_cast<uint32_t>(p.boxes.size()));
     for (const PatchBox& b : p.boxes) hash.u32(b.box.value).u16(b.train_count);
@@ -76,8 +93,16 @@ uint64_t hash_of(const WaveTrainBox& box) {
     hash.i32(box.ux).i32(box.uz).i64(box.length).i64(box.width);
     hash.i32(box.ramp_rear).i32(box.ramp_front).i32(box.ramp_side);
     hash.i64(box.begin.us).i64(box.build_up_us).i64(box.end.us).i64(box.decay_us);
-    hash.u32(box.front_speed).u16(box.gain_max).u32(static_cast<uint32_t>(box.trains.size()));
+    hash.u32(box.front_speed).u16(box.gain_max).i64(box.raised_us).i64(box.fade_us).u16(box.roundness);
+    hash.u32(static_cast<uint32_t>(box.trains.size()));
     for (const WaveTrain& train : box.trains) add(hash, train);
+    hash.u32(static_cast<uint32_t>(box.overlays.size()));
+    for (const FieldOverlay& o : box.overlays) hash.u32(o.field.value).u32(o.base.value);
+    hash.u32(static_cast<uint32_t>(box.course.size()));
+    for (const CourseLeg& leg : box.course) add(hash, leg);
+    add(hash, box.irregular);
+    add(hash, box.noise);
+    add(hash, box.wake);
     return hash.value();
 }
 
@@ -86,6 +111,7 @@ uint64_t hash_of(const LandBlock& block) {
     hash.i32(block.key.x).i32(block.key.z);
     for (const int32_t s : block.shift) hash.i32(s);
     for (const uint16_t g : block.gain) hash.u16(g);
+    for (const uint16_t o : block.orbit) hash.u16(o);
     return hash.value();
 }
 

@@ -21,7 +21,10 @@ size_t node(int x, int z) { return static_cast<size_t>(z * block_nodes + x); }
 
 bool trivial(const LandBlock& block) {
     return std::all_of(block.shift.begin(), block.shift.end(), [](int32_t s) { return s == 0; }) &&
-           std::all_of(block.gain.begin(), block.gain.end(), [](uint16_t g) { return g == unit_node_gain; });
+           std::all_of(block.gain.begin(), block.gain.end(),
+                       [](uint16_t g) { return g == unit_node_gain; }) &&
+           std::all_of(block.orbit.begin(), block.orbit.end(),
+                       [](uint16_t o) { return o == unit_node_orbit; });
 }
 
 Result<Done> validate(const LandBlock& block) {
@@ -83,15 +86,31 @@ void LandField::set(std::shared_ptr<const LandBlock> block) {
     slot = std::move(block);
 }
 
-const LandBlock* LandField::find(BlockKey key) const {
+void LandField::set_base(std::shared_ptr<const LandField> base) {
+    TROCHOID_ASSERT(!base || (base->step_log2_ == step_log2_ && base->id_ < id_),
+                    "field {} over field {} of another step or a later id", id_.value,
+                    base ? base->id_.value : 0);
+    base_ = std::move(base);
+}
+
+const std::shared_ptr<const LandBlock>* LandField::own_slot(BlockKey key) const {
     if (key.x < first_.x || key.z < first_.z || int64_t{key.x} - first_.x >= columns_ ||
         int64_t{key.z} - first_.z >= rows_)
         return nullptr;
-    return slots_[slot_of(key)].get();
+    const auto& slot = slots_[slot_of(key)];
+    return slot ? &slot : nullptr;
+}
+
+const LandBlock* LandField::find(BlockKey key) const {
+    for (const LandField* field = this; field != nullptr; field = field->base_.get())
+        if (const auto* slot = field->own_slot(key)) return slot->get();
+    return nullptr;
 }
 
 std::shared_ptr<const LandBlock> LandField::share(BlockKey key) const {
-    return find(key) != nullptr ? slots_[slot_of(key)] : nullptr;
+    for (const LandField* field = this; field != nullptr; field = field->base_.get())
+        if (const auto* slot = field->own_slot(key)) return *slot;
+    return nullptr;
 }
 
 std::vector<std::shared_ptr<const LandBlock>> LandField::blocks() const {
@@ -143,6 +162,21 @@ LandSample LandField::sample(LatticePoint p) const {
     const float gain_per_step = 0x1p-23F / metres;
     out.dgain_dx = static_cast<float>(static_cast<int32_t>(east - west)) * gain_per_step;
     out.dgain_dz = static_cast<float>(static_cast<int32_t>(south - north)) * gain_per_step;
+
+    const int64_t o00 = block->orbit[n00];
+    const int64_t o10 = block->orbit[n10];
+    const int64_t o01 = block->orbit[n01];
+    const int64_t o11 = block->orbit[n11];
+    // The same, Q2.22: at most 24 bits, so every conversion is exact.
+    const int64_t orbit_west = (o00 * (65536 - fz) + o01 * fz) >> 8;
+    const int64_t orbit_east = (o10 * (65536 - fz) + o11 * fz) >> 8;
+    const int64_t orbit_north = (o00 * (65536 - fx) + o10 * fx) >> 8;
+    const int64_t orbit_south = (o01 * (65536 - fx) + o11 * fx) >> 8;
+    const int64_t orbit = orbit_west + (((orbit_east - orbit_west) * fx) >> 16);
+    out.orbit = static_cast<float>(static_cast<int32_t>(orbit)) * 0x1p-22F;
+    const float orbit_per_step = 0x1p-22F / metres;
+    out.dorbit_dx = static_cast<float>(static_cast<int32_t>(orbit_east - orbit_west)) * orbit_per_step;
+    out.dorbit_dz = static_cast<float>(static_cast<int32_t>(orbit_south - orbit_north)) * orbit_per_step;
     return out;
 }
 

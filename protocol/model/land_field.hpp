@@ -16,6 +16,9 @@ inline constexpr int block_nodes = block_cells + 1;
 /// Gain 1 of a node, Q1.15; the largest is 65535 (just below 2).
 inline constexpr uint16_t unit_node_gain = 1 << 15;
 
+/// Orbit factor 1 of a node, Q2.14; the largest is 65535 (just below 4).
+inline constexpr uint16_t unit_node_orbit = 1 << 14;
+
 /// Place of a block on its field's lattice: it covers the cells [16*x, 16*x+16) × [16*z, 16*z+16).
 struct BlockKey {
     int32_t x = 0;
@@ -31,10 +34,17 @@ struct LandBlock {
     std::array<int32_t, block_nodes * block_nodes> shift{};
     /// Gain, Q1.15.
     std::array<uint16_t, block_nodes * block_nodes> gain{};
+    /// Horizontal over vertical orbit beyond the train's own choppiness (coth kD in shallow water; row B14), Q2.14.
+    std::array<uint16_t, block_nodes* block_nodes> orbit = unit_orbits();
+    static constexpr std::array<uint16_t, block_nodes * block_nodes> unit_orbits() {
+        std::array<uint16_t, block_nodes * block_nodes> ones{};
+        for (uint16_t& one : ones) one = unit_node_orbit;
+        return ones;
+    }
     bool operator==(const LandBlock&) const = default;
 };
 
-/// True where every node reads shift 0 and gain 1: such a block is never sent.
+/// True where every node reads shift 0, gain 1 and orbit 1: such a block is not sent, but for a field with a base, whose block it hides.
 bool trivial(const LandBlock& block);
 Result<Done> validate(const LandBlock& block);
 
@@ -46,6 +56,9 @@ struct LandSample {
     float dshift_dz = 0.0F;
     float dgain_dx = 0.0F;  ///< 1/m
     float dgain_dz = 0.0F;
+    float orbit = 1.0F;      ///< factor on the horizontal orbit
+    float dorbit_dx = 0.0F;  ///< 1/m
+    float dorbit_dz = 0.0F;
     bool operator==(const LandSample&) const = default;
 };
 
@@ -63,10 +76,13 @@ public:
     bool fits(BlockKey key) const;
     /// Adds or replaces the block, which must fit.
     void set(std::shared_ptr<const LandBlock> block);
-    /// nullptr where no block lies.
+    /// The field that counts where this one has no block (WaveTrainBox::overlays); same step. nullptr: open water.
+    void set_base(std::shared_ptr<const LandField> base);
+    const std::shared_ptr<const LandField>& base() const { return base_; }
+    /// The block that counts there, this field's own or its bases'; nullptr where no block lies.
     const LandBlock* find(BlockKey key) const;
     std::shared_ptr<const LandBlock> share(BlockKey key) const;
-    /// All blocks by ascending (z, x).
+    /// The field's own blocks, without its bases', by ascending (z, x).
     std::vector<std::shared_ptr<const LandBlock>> blocks() const;
     size_t block_count() const { return count_; }
 
@@ -81,6 +97,7 @@ private:
     };
     Window window_with(BlockKey key) const;
     size_t slot_of(BlockKey key) const;
+    const std::shared_ptr<const LandBlock>* own_slot(BlockKey key) const;
 
     FieldId id_;
     uint8_t step_log2_ = 16;
@@ -89,6 +106,7 @@ private:
     int32_t columns_ = 0;
     int32_t rows_ = 0;
     size_t count_ = 0;
+    std::shared_ptr<const LandField> base_;
     std::vector<std::shared_ptr<const LandBlock>> slots_;
 };
 

@@ -19,7 +19,34 @@ struct PreparedBox {
     std::vector<int16_t> field_of_train;
 };
 
-/// Joins a record with its fields (any superset; a train whose field is missing reads shift 0 and gain 1).
+/// What the sum is made of, in order of importance (paper A, section 5; row A9): a set is a mask of these.
+enum class Layer : uint16_t {
+    trains = 1U << 0,           ///< the wave trains themselves
+    shelter = 1U << 1,          ///< gain of the land fields: shadow, shoaling, breaking
+    refraction = 1U << 2,       ///< shift of the land fields
+    wakes = 1U << 3,            ///< ship wakes
+    irregular = 1U << 4,        ///< irregular heights
+    orbits = 1U << 5,           ///< flatter orbits in shallow water
+    round = 1U << 6,            ///< round waves
+    noise = 1U << 7,            ///< noise that is part of the authoritative surface
+    displayed_noise = 1U << 8,  ///< noise that is only displayed
+};
+struct Layers {
+    uint16_t bits = 0;
+    constexpr bool has(Layer layer) const { return (bits & static_cast<uint16_t>(layer)) != 0; }
+    constexpr Layers with(Layer layer) const {
+        return {static_cast<uint16_t>(bits | static_cast<uint16_t>(layer))};
+    }
+    constexpr Layers without(Layer layer) const {
+        return {static_cast<uint16_t>(bits & ~static_cast<uint16_t>(layer))};
+    }
+    bool operator==(const Layers&) const = default;
+};
+/// The sea that physics, sync regions and hashes mean.
+inline constexpr Layers authoritative_layers{0xff};
+inline constexpr Layers displayed_layers{0x1ff};
+
+/// Joins a record with its fields, their bases as the record's overlays say (any superset; a train whose field is missing reads shift 0 and gain 1).
 std::shared_ptr<const PreparedBox> prepare(WaveTrainBox record,
                                            std::span<const std::shared_ptr<const LandField>> fields);
 
@@ -60,23 +87,31 @@ private:
     std::vector<std::shared_ptr<const PreparedBox>> boxes_;
 };
 
+/// A box at one sea time: what the sum and its fast path read.
+struct LiveBox {
+    std::shared_ptr<const PreparedBox> box;
+    BoxInstant instant;
+    std::vector<uint32_t> phase;  ///< per train: phase at the origin, turns Q0.32
+    IrregularPhases irregular;
+    std::vector<NoiseOctave> noise;  ///< empty where the layers leave the noise out
+};
+
 /// The sea at one sea time: the per-train time phases are taken once, then points cost only products and sums.
 /// Holds its own copy of the pointers, so it outlives the Sea it was made from.
 class SeaInstant {
 public:
-    SeaInstant(const Sea& sea, SeaTime t);
+    SeaInstant(const Sea& sea, SeaTime t, Layers layers = authoritative_layers);
     SeaTime time() const { return time_; }
+    Layers layers() const { return layers_; }
+    /// The boxes that are not still, ascending id.
+    std::span<const LiveBox> live() const { return live_; }
     /// The surface at a rest point (inside the world's bounds).
     SurfaceSample evaluate(LatticePoint p) const;
 
 private:
-    struct Live {
-        std::shared_ptr<const PreparedBox> box;
-        BoxInstant instant;
-        std::vector<uint32_t> phase;  // per train: phase at the origin, turns Q0.32
-    };
     SeaTime time_;
-    std::vector<Live> live_;
+    Layers layers_;
+    std::vector<LiveBox> live_;
 };
 
 /// Hash over every float of the samples, in order: the known answer that two parties compare.

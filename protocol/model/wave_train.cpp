@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "protocol/model/arithmetic_rules.hpp"
+#include "protocol/model/round_wave.hpp"
 
 namespace trochoid {
 
@@ -31,6 +32,7 @@ TrainConstants derive_constants(const WaveTrain& train) {
     c.hx = h * c.dx;
     c.hz = h * c.dz;
     c.wavelength = 1.0F / n;
+    c.whole = whole_wave_number(train.kx, train.kz);
     // Turns per microsecond Q0.64 to rad/s; the top 24 bits are enough and convert exactly.
     const int shift = std::countl_zero(train.omega | 1U);
     const auto top = static_cast<uint32_t>((train.omega << shift) >> 40);

@@ -37,6 +37,7 @@ struct TrainConstants {
     float hz = 0.0F;          ///< (choppiness * amplitude) * dz, m
     float wavelength = 0.0F;  ///< 2*pi / k in metres, by division in turns: 1 / n
     float omega = 0.0F;       ///< rad/s, for particle velocities only
+    uint32_t whole = 0;       ///< whole_wave_number: turns per lattice unit, Q0.32, for round waves
     bool operator==(const TrainConstants&) const = default;
 };
 

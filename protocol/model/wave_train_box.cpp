@@ -33,6 +33,15 @@ uint32_t time_ramp(int64_t elapsed_us, int64_t duration_us) {
     return static_cast<uint32_t>((elapsed_us << 24) / duration_us);
 }
 
+/// How far the wake's pattern falls behind the ship in a time, lattice units, below 2^31.
+int64_t fallen_behind(const ShipWake& wake, int64_t elapsed_us) {
+    constexpr int64_t far_behind = INT32_MAX;
+    if (elapsed_us <= 0) return 0;
+    // The elapsed time bounds the product below 2^56.
+    if (elapsed_us >= (far_behind << 24) / wake.group_speed) return far_behind;
+    return (elapsed_us * wake.group_speed) >> 24;
+}
+
 Result<Done> range_error(const char* field, const char* range) {
     return Error{ErrorCode::value_out_of_range, fmt::format("wave train box: {} is not {}", field, range)};
 }
@@ -40,11 +49,13 @@ Result<Done> range_error(const char* field, const char* range) {
 }  // namespace
 
 BoxInstant instant_of(const WaveTrainBox& box, SeaTime t) {
-    const int64_t age = t - box.begin;
-    if (age < 0) return {};
-    const int64_t since_end = t - box.end;
     BoxInstant instant;
-    instant.time_gain = time_ramp(age, box.build_up_us);
+    instant.origin = box.course.empty() ? box.origin : corner_at(box.course, t);
+    const int64_t age = t - box.begin;
+    if (age < 0) return instant;
+    const int64_t grown = age + box.raised_us;
+    const int64_t since_end = t - box.end;
+    instant.time_gain = times(time_ramp(grown, box.build_up_us), time_ramp(age, box.fade_us));
     if (since_end >= 0)
         instant.time_gain = since_end >= box.decay_us
                                 ? 0
@@ -53,15 +64,19 @@ BoxInstant instant_of(const WaveTrainBox& box, SeaTime t) {
     if (box.front_speed != 0 && box.length != 0) {
         // The age at which the front arrives bounds the product below 2^56.
         const int64_t arrival = (box.length << 24) / box.front_speed;
-        if (age < arrival) instant.front = std::min(box.length, (age * box.front_speed) >> 24);
+        if (grown < arrival) instant.front = std::min(box.length, (grown * box.front_speed) >> 24);
+    }
+    if (has_wake(box.wake)) {
+        instant.wake_rear = fallen_behind(box.wake, grown);
+        instant.wake_front = fallen_behind(box.wake, since_end);
     }
     return instant;
 }
 
-BoxPosition box_position(const WaveTrainBox& box, LatticePoint p) {
+BoxPosition box_position(const WaveTrainBox& box, const BoxInstant& instant, LatticePoint p) {
     constexpr int64_t reach = int64_t{1} << 31;
-    const int64_t dx = p.x - box.origin.x;
-    const int64_t dz = p.z - box.origin.z;
+    const int64_t dx = p.x - instant.origin.x;
+    const int64_t dz = p.z - instant.origin.z;
     if (dx > reach || dx < -reach || dz > reach || dz < -reach) return {};
     // v = (-uz, ux)
     return {(dx * box.ux + dz * box.uz) >> 30, (dz * box.ux - dx * box.uz) >> 30, true};
@@ -75,7 +90,7 @@ Envelope envelope_at(const WaveTrainBox& box, const BoxInstant& instant, Lattice
         e.gain = instant.time_gain;
         return e;
     }
-    const BoxPosition at = box_position(box, p);
+    const BoxPosition at = box_position(box, instant, p);
     if (!at.in_reach) return e;
     RampSide rear;
     RampSide front;
@@ -105,41 +120,41 @@ Envelope envelope_at(const WaveTrainBox& box, const BoxInstant& instant, Lattice
     return e;
 }
 
-LatticeRect bounds_of(const WaveTrainBox& box) {
-    const LatticeRect world{{-world_bound, -world_bound}, {world_bound, world_bound}};
-    if (box.length == 0 || box.width == 0) return world;
-    LatticeRect r{box.origin, box.origin};
-    for (int corner = 1; corner < 4; ++corner) {
-        const int64_t u = (corner & 1) != 0 ? box.length : 0;
-        const int64_t v = (corner & 2) != 0 ? box.width : 0;
-        // One unit of slack covers the truncation of Q2.30 products.
-        const int64_t x = box.origin.x + ((u * box.ux - v * box.uz) >> 30);
-        const int64_t z = box.origin.z + ((u * box.uz + v * box.ux) >> 30);
-        r.min = {std::min(r.min.x, x - 1), std::min(r.min.z, z - 1)};
-        r.max = {std::max(r.max.x, x + 1), std::max(r.max.z, z + 1)};
-    }
-    r.min = {std::max(r.min.x, -world_bound), std::max(r.min.z, -world_bound)};
-    r.max = {std::min(r.max.x, world_bound), std::min(r.max.z, world_bound)};
-    return r;
-}
-
-double height_bound(const WaveTrainBox& box) {
-    double sum = 0.0;
-    for (const WaveTrain& train : box.trains) sum += static_cast<double>(train.amplitude);
-    // One part in 10^6 covers every rounding of the float32 sum of at most 256 trains.
-    return sum * (static_cast<double>(box.gain_max) / 32768.0) * 1.0001;
-}
-
-double displacement_bound(const WaveTrainBox& box) {
-    double sum = 0.0;
-    for (const WaveTrain& train : box.trains)
-        sum += static_cast<double>(train.amplitude) * static_cast<double>(train.choppiness);
-    return sum * (static_cast<double>(box.gain_max) / 32768.0) * 1.0001;
-}
-
 bool alive(const WaveTrainBox& box, SeaTime from, SeaTime until) {
     return box.begin < until && from < box.end + box.decay_us;
 }
+
+namespace {
+
+Result<Done> validate_features(const WaveTrainBox& box) {
+    if (box.trains.empty() && box.noise.amplitude == 0.0F && !has_wake(box.wake))
+        return range_error("the number of trains", "above 0 (only noise or a wake need none)");
+    if (box.roundness > full_roundness) return range_error("the roundness", "0 to 2^15 (1)");
+    if (box.roundness != 0 && box.width < shortest_ramp)
+        return range_error("the width", "limited and at least 1 m, as round waves need");
+    if (box.roundness != 0)
+        for (const WaveTrain& train : box.trains)
+            if (whole_wave_number(train.kx, train.kz) >= largest_round_wave_number)
+                return range_error("a train", "at least 0.125 m long, as round waves need");
+    for (size_t i = 0; i < box.overlays.size(); ++i) {
+        const FieldOverlay& o = box.overlays[i];
+        if (o.base.value == 0 || o.base >= o.field)
+            return range_error("an overlay's base", "1 to below its field");
+        if (i > 0 && o.field <= box.overlays[i - 1].field)
+            return range_error("the overlays", "ascending by field");
+    }
+    if (auto ok = validate(std::span<const CourseLeg>(box.course)); !ok) return ok;
+    if (!box.course.empty() && box.course.front().origin != box.origin)
+        return range_error("the origin", "that of the first leg");
+    if (auto ok = validate(box.irregular); !ok) return ok;
+    if (auto ok = validate(box.noise); !ok) return ok;
+    if (auto ok = validate(box.wake); !ok) return ok;
+    if (has_wake(box.wake) && (box.length == 0 || box.width == 0 || box.course.size() != 1))
+        return range_error("a wake's box", "limited on all sides with one leg");
+    return Done{};
+}
+
+}  // namespace
 
 Result<Done> validate(const WaveTrainBox& box) {
     constexpr int64_t longest_ramp_us = int64_t{1} << 39;
@@ -158,14 +173,16 @@ Result<Done> validate(const WaveTrainBox& box) {
     for (const int64_t t : {box.begin.us, box.end.us})
         if (t < -sea_time_bound || t > sea_time_bound) return range_error("a time", "within 2^61 us");
     if (box.end < box.begin) return range_error("the end", "after the beginning");
-    for (const int64_t us : {box.build_up_us, box.decay_us})
-        if (us < 0 || us > longest_ramp_us) return range_error("build-up or decay", "0 to 2^39 us (6 days)");
-    if (box.trains.empty() || box.trains.size() > 256) return range_error("the number of trains", "1 to 256");
+    for (const int64_t us : {box.build_up_us, box.fade_us, box.decay_us})
+        if (us < 0 || us > longest_ramp_us)
+            return range_error("build-up, fade or decay", "0 to 2^39 us (6 days)");
+    if (box.raised_us < 0 || box.raised_us > sea_time_bound) return range_error("raised", "0 to 2^61 us");
+    if (box.trains.size() > 256) return range_error("the number of trains", "at most 256");
     if (box.first_train.value > UINT32_MAX - 256)
         return range_error("the first train's id", "below 2^32 - 256");
     for (const WaveTrain& train : box.trains)
         if (auto ok = validate(train); !ok) return ok;
-    return Done{};
+    return validate_features(box);
 }
 
 }  // namespace trochoid

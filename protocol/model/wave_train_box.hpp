@@ -2,6 +2,11 @@
 #include <cstdint>
 #include <vector>
 
+#include "protocol/model/box_course.hpp"
+#include "protocol/model/irregular_height.hpp"
+#include "protocol/model/round_wave.hpp"
+#include "protocol/model/ship_wake.hpp"
+#include "protocol/model/surface_noise.hpp"
 #include "protocol/model/wave_train.hpp"
 #include "protocol/units/lattice.hpp"
 #include "protocol/units/sea_time.hpp"
@@ -15,6 +20,14 @@ inline constexpr uint32_t full_gain = uint32_t{1} << 24;
 inline constexpr int64_t longest_side = int64_t{1} << 30;
 /// Shortest ramp: 1 m. Nothing ends abruptly.
 inline constexpr int32_t shortest_ramp = 1 << 10;
+
+/// A land field that lies over another: where it has no block, its base's counts (land that changes while the sea runs travels as the
+/// changed blocks alone).
+struct FieldOverlay {
+    FieldId field;
+    FieldId base;  ///< below `field`
+    bool operator==(const FieldOverlay&) const = default;
+};
 
 /// An oriented wave train box (paper A, section 2; rows A1, A2, A4): where and when its trains act. All that lets it
 /// grow and decay is in the record, so growth and decay cost no traffic. Records are replaced whole under the same id
@@ -35,17 +48,32 @@ struct WaveTrainBox {
     int32_t ramp_rear = shortest_ramp;
     int32_t ramp_front = shortest_ramp;
     int32_t ramp_side = shortest_ramp;
-    /// Grows linearly over build_up from begin, is full, and falls linearly over decay from end.
+    /// Still before begin; then the product of three linear ramps in time: over build_up from begin - raised, over fade from begin,
+    /// and down over decay from end. raised and fade are 0 but for the successor of a box whose land has changed: it takes over at
+    /// `begin` within `fade`, as far grown (its front too) as the wind that rose `raised` before.
     SeaTime begin;
+    int64_t raised_us = 0;  ///< 0 to 2^61
+    int64_t fade_us = 0;
     int64_t build_up_us = 0;
     SeaTime end = end_of_time;
     int64_t decay_us = 0;
     /// Speed of the leading edge while the wind builds, lattice units per microsecond in Q.24 (the dominant train's
     /// group speed; 1 m/s = 17180); 0 fills the whole box at once. Only for boxes with a limited length.
     uint32_t front_speed = 0;
-    /// Largest land gain over all the box's fields, Q1.15 (32768 = 1): enters height bounds and steepness.
+    /// Bound of the land gain, and of the land gain times the orbit factor, over all the box's fields, Q1.15 (32768 = 1): enters bounds of
+    /// height and displacement, and steepness.
     uint16_t gain_max = 1 << 15;
+    /// Roundness of the crests (round_wave.hpp), Q1.15; needs a limited width.
+    uint16_t roundness = 0;
+    /// At most 256; a box without any has noise or a wake.
     std::vector<WaveTrain> trains;
+    /// Ascending by field.
+    std::vector<FieldOverlay> overlays;
+    /// Empty: the box stands at `origin`; else origin is that of the first leg.
+    std::vector<CourseLeg> course;
+    IrregularHeight irregular;
+    SurfaceNoise noise;
+    ShipWake wake;
     bool operator==(const WaveTrainBox&) const = default;
 };
 
@@ -53,6 +81,10 @@ struct WaveTrainBox {
 struct BoxInstant {
     uint32_t time_gain = 0;  ///< Q0.24
     int64_t front = 0;       ///< u of the leading edge, lattice units; length once grown
+    LatticePoint origin;     ///< where the corner is (course)
+    /// Of a wake: distances behind the ship between which its pattern stands, lattice units.
+    int64_t wake_front = 0;
+    int64_t wake_rear = 0;
     bool operator==(const BoxInstant&) const = default;
 };
 BoxInstant instant_of(const WaveTrainBox& box, SeaTime t);
@@ -73,7 +105,7 @@ struct BoxPosition {
     int64_t v = 0;
     bool in_reach = false;
 };
-BoxPosition box_position(const WaveTrainBox& box, LatticePoint p);
+BoxPosition box_position(const WaveTrainBox& box, const BoxInstant& instant, LatticePoint p);
 
 /// A linear ramp, Q0.24: 0 for distance <= 0, full from distance >= length. With reciprocal = 2^40 / length the value is
 /// (distance * reciprocal) >> 16: one 32-by-32-bit product, the same on a GPU without 64-bit integers.
@@ -87,7 +119,11 @@ constexpr uint32_t ramp_gain(int64_t distance, int32_t length) {
 /// Bounding rectangle of everything that the box can ever touch (unlimited sides reach the world's bounds).
 LatticeRect bounds_of(const WaveTrainBox& box);
 
-/// Upper bound of |y| at any point and time: sum of A over the trains times gain_max, metres (float64, rounded up).
+/// The same for what it can touch within a span of sea time.
+LatticeRect bounds_over(const WaveTrainBox& box, SeaTime from, SeaTime until);
+
+/// Upper bound of |y| at any point and time: sum of A over the trains times gain_max times (1 + irregular share), plus the
+/// wake's and the noise's bounds, metres (float64, rounded up).
 double height_bound(const WaveTrainBox& box);
 
 /// Upper bound of the horizontal displacement, metres.

@@ -38,6 +38,7 @@ enum class ErrorCode : uint16_t {
     too_many_trains = 406,
     no_progress = 407,
     queue_overflow = 408,
+    too_many_legs = 409,
     // 5xx session
     client_closed = 501,
     // 6xx world
@@ -45,6 +46,8 @@ enum class ErrorCode : uint16_t {
     unknown_box = 602,
     already_ending = 603,
     too_late = 604,
+    not_moving = 605,
+    no_terrain = 606,
     // 7xx server
     shutting_down = 701,
     internal_error = 702,

@@ -66,7 +66,8 @@ constexpr uint16_t requirement_of(ErrorCode code) {
         case ErrorCode::no_progress: return requirement::progress;
         case ErrorCode::wrong_world: return requirement::world_name;
         case ErrorCode::too_many_boxes:
-        case ErrorCode::too_many_trains: return requirement::ranges;
+        case ErrorCode::too_many_trains:
+        case ErrorCode::too_many_legs: return requirement::ranges;
         default: return 0;
     }
 }

@@ -5,15 +5,26 @@
 #include <functional>
 #include <memory>
 #include <mutex>
+#include <span>
 #include <thread>
+#include <vector>
 
 #include "protocol/model/terrain.hpp"
+#include "server/app/land_change.hpp"
+#include "server/app/terrain_choice.hpp"
 #include "server/land/land_cache.hpp"
 #include "server/net/io_loop.hpp"
 
 namespace trochoid {
 
-/// Traces the land of new boxes on a thread of its own, so that the io thread goes on meanwhile. Destruction waits for the
+/// All that follows from a change of the land: what is published together.
+struct ChangedLand {
+    LandOutcome outcome;
+    uint64_t terrain_hash = 0;
+    std::shared_ptr<const TerrainChoice> choice;
+};
+
+/// Traces the land of new boxes, and of all that a change of the land can reach, on a thread of its own, so that the io thread goes on meanwhile. Destruction waits for the
 /// trace in progress and drops the others.
 class LandWorker {
 public:
@@ -27,16 +38,30 @@ public:
     void trace(WaveTrainBox box, FieldId first_field, std::function<void(TracedLand)> done);
     /// For the time before the loop runs.
     TracedLand trace_and_wait(const WaveTrainBox& box, FieldId first_field);
+    /// Edits the terrain and traces these boxes again. Calls back on the io thread, in order of asking.
+    void change(std::shared_ptr<const WorldState> world, ChangeLand change, std::vector<BoxId> boxes,
+                std::shared_ptr<const TerrainChoice> choice, std::function<void(Result<ChangedLand>)> done);
+    Result<ChangedLand> change_and_wait(std::shared_ptr<const WorldState> world, const ChangeLand& change,
+                                        std::vector<BoxId> boxes,
+                                        std::shared_ptr<const TerrainChoice> choice);
+    /// The terrain that traces asked for from now on are over.
+    void take_terrain(std::shared_ptr<const TerrainGrid> terrain, uint64_t terrain_hash);
     /// Names all that a trace of the box depends on; equal keys, equal land.
     uint64_t key_of(const WaveTrainBox& box) const;
 
 private:
+    struct Ground {
+        std::shared_ptr<const TerrainGrid> terrain;
+        uint64_t hash = 0;
+    };
     void work();
-    TracedLand trace_now(const WaveTrainBox& box, FieldId first_field);
+    void ask(std::function<void()> job);
+    TracedLand trace_now(const WaveTrainBox& box, FieldId first_field, const Ground& ground);
+    Result<ChangedLand> change_now(const WorldState& world, const ChangeLand& change,
+                                   std::span<const BoxId> boxes, const TerrainChoice& choice) const;
 
     IoLoop& loop_;
-    std::shared_ptr<const TerrainGrid> terrain_;
-    uint64_t terrain_hash_ = 0;
+    Ground ground_;  // the io thread's
     LandSettings settings_;
     LandCache cache_;  // the worker's thread only
 

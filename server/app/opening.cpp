@@ -27,6 +27,25 @@ Refraction refraction_of(SceneLand::Refraction refraction) {
     return Refraction::eikonal;
 }
 
+Shoaling shoaling_of(SceneLand::Shoaling shoaling) {
+    switch (shoaling) {
+        case SceneLand::Shoaling::paper: return Shoaling::paper;
+        case SceneLand::Shoaling::linear: break;
+        case SceneLand::Shoaling::decrease: return Shoaling::decrease;
+        case SceneLand::Shoaling::none: return Shoaling::none;
+    }
+    return Shoaling::linear;
+}
+
+Diffraction diffraction_of(SceneLand::Diffraction diffraction) {
+    switch (diffraction) {
+        case SceneLand::Diffraction::none: return Diffraction::none;
+        case SceneLand::Diffraction::wedge: break;
+        case SceneLand::Diffraction::parabolic: return Diffraction::parabolic;
+    }
+    return Diffraction::wedge;
+}
+
 // One core stays free for the io thread while a command's land is traced.
 uint32_t tracing_threads() { return std::max(1U, std::max(1U, std::thread::hardware_concurrency()) - 1U); }
 
@@ -52,7 +71,11 @@ LandSettings land_settings_of(const SceneLand& land) {
     LandSettings settings;
     settings.step_log2 = land.node_step_log2;
     settings.refraction = refraction_of(land.refraction);
-    settings.shoaling = land.shoaling == SceneLand::Shoaling::paper ? Shoaling::paper : Shoaling::linear;
+    settings.shoaling = shoaling_of(land.shoaling);
+    settings.diffraction = diffraction_of(land.diffraction);
+    settings.run_up = land.run_up_m;
+    settings.shore_decrease = land.shore_decrease;
+    settings.shallow_orbits = land.shallow_orbits;
     settings.depth_min = land.depth_min_m;
     settings.breaking_ratio = land.breaking_ratio;
     settings.recovery = land.recovery_m;

@@ -36,12 +36,23 @@ CommandReply refusal(const Command& command, const Error& error) {
     return reply;
 }
 
+[[noreturn]] void refuse_scene(const std::string& what, const Error& error) {
+    throw OperatorError(
+        fmt::format("the scene's {} cannot be: {}; correct the scene file", what, error.message));
+}
+
 std::string text_of(SeaTime t) { return fmt::format("{:.3f} s", static_cast<double>(t.us) * 1e-6); }
 
 }  // namespace
 
 SeaAuthority::SeaAuthority(IoLoop& loop, World& world, EventLog& log, LandWorker& worker, uint32_t lead_ms)
-    : loop_(loop), world_(world), log_(log), worker_(worker), lead_ms_(lead_ms), state_(world.state()) {
+    : loop_(loop),
+      world_(world),
+      log_(log),
+      worker_(worker),
+      lead_ms_(lead_ms),
+      state_(world.state()),
+      choice_(std::make_shared<const TerrainChoice>(state_->terrain)) {
     index_ = std::make_shared<const InterestIndex>(*state_);
 }
 
@@ -54,19 +65,50 @@ SeaTime SeaAuthority::watermark() {
 }
 
 void SeaAuthority::open(const Scene& scene) {
-    const auto start = [this](const std::string& name, const Result<BoxStarted>& planned) {
-        if (!planned)
-            throw OperatorError(fmt::format("the scene's '{}' cannot be: {}; correct the scene file", name,
-                                            planned.error().message));
-        TracedLand land = worker_.trace_and_wait(planned->box, {state_->next_field});
+    open_breakwaters(scene);
+    for (const SceneWind& wind : scene.winds) open_box(wind.name, world_.plan(wind));
+    for (const SceneBox& box : scene.boxes) open_box(box.name, world_.plan(box));
+    for (const SceneShip& ship : scene.ships) open_ship(ship);
+    publish();
+}
+
+void SeaAuthority::open_box(const std::string& name, const Result<BoxStarted>& planned) {
+    if (!planned) refuse_scene(fmt::format("'{}'", name), planned.error());
+    Derived derived;
+    derived.lands.push_back(worker_.trace_and_wait(planned->box, {world_.state()->next_field}));
+    BoxStarted started = world_.fit_to_land(*planned, derived.lands.front());
+    LogEvent event;
+    event.effective = started.box.begin;
+    event.what = std::move(started);
+    append(std::move(event), std::move(derived));
+}
+
+void SeaAuthority::open_breakwaters(const Scene& scene) {
+    for (size_t i = 0; i < scene.breakwaters.size(); ++i) {
+        const std::string name = fmt::format("breakwater {}", i + 1);
+        auto changed = worker_.change_and_wait(world_.state(), scene.breakwaters[i], {}, choice_);
+        if (!changed) refuse_scene(name, changed.error());
+        auto planned = world_.plan(scene.breakwaters[i], scene.clock_start, {});
+        if (!planned) refuse_scene(name, planned.error());
         LogEvent event;
-        BoxStarted started = world_.fit_to_land(*planned, land);
-        event.effective = started.box.begin;
-        event.what = std::move(started);
-        append(std::move(event), std::move(land));
-    };
-    for (const SceneWind& wind : scene.winds) start(wind.name, world_.plan(wind.wind, wind.begin, wind.name));
-    for (const SceneBox& box : scene.boxes) start(box.name, world_.plan(box));
+        event.effective = scene.clock_start;
+        event.what = std::move(planned).value();
+        append(std::move(event), derived_from(changed->outcome));
+        take_land(*changed);
+    }
+}
+
+void SeaAuthority::open_ship(const SceneShip& ship) {
+    open_box(ship.ship.name, world_.plan(ship.ship, ship.begin));
+    BoxId box{world_.state()->next_box - 1};
+    for (const SceneLeg& leg : ship.legs) {
+        auto steering = world_.plan(
+            Steer{box, static_cast<float>(leg.towards_degrees), static_cast<float>(leg.speed)}, leg.at);
+        if (!steering)
+            refuse_scene(fmt::format("'{}' from {} on", ship.ship.name, text_of(leg.at)), steering.error());
+        for (auto& what : steering->events) append({0, steering->effective, std::move(what)}, {});
+        box = steering->box;
+    }
 }
 
 void SeaAuthority::command(const Command& command, Reply reply) {
@@ -86,14 +128,13 @@ void SeaAuthority::next() {
         busy_ = true;
         Waiting waiting = std::move(waiting_.front());
         waiting_.pop_front();
-        const auto action = waiting.command.action;
-        if (const auto* start = std::get_if<StartWind>(&action))
-            execute(*start, std::move(waiting));
-        else if (const auto* stop = std::get_if<StopWind>(&action))
-            execute(*stop, waiting);
-        else
-            execute(std::get<SetRate>(action), waiting);
+        std::visit([&](const auto& action) { execute(action, waiting); }, waiting.command.action);
     }
+}
+
+// Sessions answer lists themselves.
+void SeaAuthority::execute(const ListBoxes&, const Waiting&) {
+    TROCHOID_ASSERT(false, "lists change nothing");
 }
 
 Result<SeaTime> SeaAuthority::stamp(const Command& command) {
@@ -101,14 +142,27 @@ Result<SeaTime> SeaAuthority::stamp(const Command& command) {
     return effective_time(command.at, present, watermark() - present, command.refuse_if_late);
 }
 
-void SeaAuthority::execute(const StartWind& asked, Waiting waiting) {
+// While the last change of the land is still cross-fading the next one waits.
+Result<SeaTime> SeaAuthority::stamp_land(const Command& command) {
+    const Result<SeaTime> effective = stamp(command);
+    if (!effective) return effective;
+    const SeaTime settled = world_.land_settled();
+    if (*effective >= settled) return effective;
+    if (command.refuse_if_late)
+        return Error{
+            ErrorCode::too_late,
+            fmt::format("the land changes until sea time {}: ask for a later time", text_of(settled))};
+    return settled;
+}
+
+void SeaAuthority::execute(const StartWind& asked, const Waiting& waiting) {
     StartWind wind = asked;
     if (wind.seed == 0) wind.seed = random_seed();
     const Result<SeaTime> expected = stamp(waiting.command);
     if (!expected) return finish_refused(waiting, expected.error());
     const Result<BoxStarted> planned = world_.plan(wind, *expected);
     if (!planned) return finish_refused(waiting, planned.error());
-    trace_then_start(*planned, wind, std::move(waiting), 1);
+    trace_then_start(*planned, wind, waiting, 1);
 }
 
 // Only when the land is known is the command stamped, and planned again for that time.
@@ -122,12 +176,13 @@ void SeaAuthority::trace_then_start(const BoxStarted& planned, StartWind wind, W
                       if (!now_planned) return finish_refused(waiting, now_planned.error());
                       if (worker_.key_of(now_planned->box) != traced && attempt < most_traces)
                           return trace_then_start(*now_planned, wind, std::move(waiting), attempt + 1);
-                      LogEvent event;
-                      event.effective = *effective;
-                      BoxStarted started = world_.fit_to_land(std::move(*now_planned), land);
-                      const BoxId id = started.box.id;
-                      event.what = std::move(started);
-                      finish(waiting, commit(waiting.command, std::move(event), std::move(land), id));
+                      Planned started{{}, {}};
+                      started.event.effective = *effective;
+                      BoxStarted fitted = world_.fit_to_land(std::move(*now_planned), land);
+                      const BoxId id = fitted.box.id;
+                      started.event.what = std::move(fitted);
+                      started.derived.lands.push_back(std::move(land));
+                      finish(waiting, commit(waiting.command, {std::move(started)}, id));
                   });
 }
 
@@ -136,10 +191,55 @@ void SeaAuthority::execute(const StopWind& stop, const Waiting& waiting) {
     if (!effective) return finish_refused(waiting, effective.error());
     const Result<BoxEnding> planned = world_.plan(stop, *effective);
     if (!planned) return finish_refused(waiting, planned.error());
-    LogEvent event;
-    event.effective = *effective;
-    event.what = *planned;
-    finish(waiting, commit(waiting.command, std::move(event), {}, stop.box));
+    finish(waiting, commit(waiting.command, {{{0, *effective, *planned}, {}}}, stop.box));
+}
+
+// Wakes know no land: nothing to trace.
+void SeaAuthority::execute(const StartShip& ship, const Waiting& waiting) {
+    const Result<SeaTime> effective = stamp(waiting.command);
+    if (!effective) return finish_refused(waiting, effective.error());
+    Result<BoxStarted> planned = world_.plan(ship, *effective);
+    if (!planned) return finish_refused(waiting, planned.error());
+    const BoxId id = planned->box.id;
+    finish(waiting, commit(waiting.command, {{{0, *effective, std::move(*planned)}, {}}}, id));
+}
+
+// A moving wind's land was traced wherever it may come, and wakes know none.
+void SeaAuthority::execute(const Steer& steer, const Waiting& waiting) {
+    const Result<SeaTime> effective = stamp(waiting.command);
+    if (!effective) return finish_refused(waiting, effective.error());
+    Result<Steering> steering = world_.plan(steer, *effective);
+    if (!steering) return finish_refused(waiting, steering.error());
+    std::vector<Planned> planned;
+    for (auto& what : steering->events) planned.push_back({{0, steering->effective, std::move(what)}, {}});
+    finish(waiting, commit(waiting.command, std::move(planned), steering->box));
+}
+
+void SeaAuthority::execute(const ChangeLand& change, const Waiting& waiting) {
+    const Result<SeaTime> expected = stamp_land(waiting.command);
+    if (!expected) return finish_refused(waiting, expected.error());
+    const std::vector<BoxId> boxes = world_.on_land_at(*expected);
+    worker_.change(state_, change, boxes, choice_,
+                   [this, boxes, change, waiting](const Result<ChangedLand>& changed) {
+                       if (!changed) return finish_refused(waiting, changed.error());
+                       change_land_with(*changed, boxes, change, waiting);
+                   });
+}
+
+void SeaAuthority::change_land_with(const ChangedLand& changed, const std::vector<BoxId>& traced,
+                                    const ChangeLand& change, const Waiting& waiting) {
+    const Result<SeaTime> effective = stamp_land(waiting.command);
+    if (!effective) return finish_refused(waiting, effective.error());
+    // A box may have begun its decay meanwhile: then there are fewer to trace, and the fields' numbers are others.
+    if (world_.on_land_at(*effective) != traced) return execute(change, waiting);
+    Result<LandChanged> planned = world_.plan(change, *effective, changed.outcome.touched);
+    if (!planned) return finish_refused(waiting, planned.error());
+    std::vector<Planned> land(1);
+    land.front().event.effective = *effective;
+    land.front().event.what = std::move(*planned);
+    land.front().derived = derived_from(changed.outcome);
+    take_land(changed);
+    finish(waiting, commit(waiting.command, std::move(land), {}));
 }
 
 // A rate takes hold at once: until clients hear of it their clocks run on at the old one, and are slewed.
@@ -147,18 +247,16 @@ void SeaAuthority::execute(const SetRate& rate, const Waiting& waiting) {
     const int64_t now_us = monotonic_us();
     const Result<ClockChanged> planned = world_.plan(rate, now_us);
     if (!planned) return finish_refused(waiting, planned.error());
-    LogEvent event;
-    event.effective = planned->clock.start;
-    event.what = *planned;
-    finish(waiting, commit(waiting.command, std::move(event), {}, {}));
+    finish(waiting, commit(waiting.command, {{{0, planned->clock.start, *planned}, {}}}, {}));
 }
 
-CommandReply SeaAuthority::commit(const Command& command, LogEvent event, TracedLand land, BoxId box) {
+CommandReply SeaAuthority::commit(const Command& command, std::vector<Planned> planned, BoxId box) {
     CommandReply reply;
     reply.sequence = command.sequence;
-    reply.effective = event.effective;
+    reply.effective = planned.front().event.effective;
     reply.box = box;
-    append(std::move(event), std::move(land));
+    for (Planned& next : planned) append(std::move(next.event), std::move(next.derived));
+    publish();
     reply.log_position = state_->log_position;
     reply.message = fmt::format("takes hold at sea time {}", text_of(reply.effective));
     spdlog::info("command {}: box {}, {}, log position {}", command.sequence, box.value, reply.message,
@@ -167,14 +265,24 @@ CommandReply SeaAuthority::commit(const Command& command, LogEvent event, Traced
 }
 
 // The event becomes bytes, the bytes become log, the log becomes the world's new state.
-void SeaAuthority::append(LogEvent event, TracedLand land) {
+void SeaAuthority::append(LogEvent event, Derived derived) {
     event.event_id = next_event_++;
     const Bytes bytes = encode(event);
-    const AppendResult result = log_.append(state_->log_position, event.event_id, bytes);
+    const AppendResult result = log_.append(world_.state()->log_position, event.event_id, bytes);
     TROCHOID_ASSERT(std::holds_alternative<Appended>(result),
                     "this process alone writes its log, yet event {} met outcome {}", event.event_id,
                     result.index());
-    state_ = world_.apply(event, bytes, std::move(land));
+    world_.apply(event, bytes, std::move(derived));
+}
+
+void SeaAuthority::take_land(const ChangedLand& changed) {
+    choice_ = changed.choice;
+    worker_.take_terrain(changed.outcome.edit.terrain, changed.terrain_hash);
+}
+
+// All events of a command at once: readers see none or all of them.
+void SeaAuthority::publish() {
+    state_ = world_.state();
     index_ = std::make_shared<const InterestIndex>(*state_, index_.get());
     if (changed_) changed_();
 }

@@ -13,10 +13,7 @@
 namespace trochoid {
 
 SeaService::SeaService(SeaAuthority& authority, WorldInstance instance, DirectorToken token)
-    : authority_(authority),
-      instance_(instance),
-      token_(std::move(token)),
-      terrain_(authority.state()->terrain) {}
+    : authority_(authority), instance_(instance), token_(std::move(token)) {}
 
 HelloFacts SeaService::hello_facts() const {
     const WorldState& world = *authority_.state();

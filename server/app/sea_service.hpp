@@ -6,7 +6,6 @@
 
 #include "server/app/director_token.hpp"
 #include "server/app/sea_authority.hpp"
-#include "server/app/terrain_choice.hpp"
 #include "server/net/sea_provider.hpp"
 
 namespace trochoid {
@@ -22,8 +21,13 @@ public:
     std::optional<MadeResult> make_result(const ResultRequest& request) override;
     InterestDelta change(const InterestState& base, const InterestState& target,
                          const CullKey& key) const override;
-    std::vector<TerrainTileKey> tiles_for(const ViewState& view) override { return terrain_.tiles_for(view); }
-    TerrainTile tile(TerrainTileKey key) override { return terrain_.tile(key); }
+    std::vector<TerrainTileKey> tiles_for(const ViewState& view) override {
+        return authority_.terrain_choice()->tiles_for(view);
+    }
+    uint32_t tile_revision(TerrainTileKey key) const override {
+        return authority_.terrain_choice()->revision(key);
+    }
+    TerrainTile tile(TerrainTileKey key) override { return authority_.terrain_choice()->tile(key); }
     void command(const Command& command, Role role, std::function<void(CommandReply)> reply) override;
     BoxList list_boxes() const override;
     Result<SampleReply> sample(const SampleRequest& request) const override;
@@ -35,7 +39,6 @@ private:
     SeaAuthority& authority_;
     WorldInstance instance_;
     DirectorToken token_;
-    TerrainChoice terrain_;
 };
 
 }  // namespace trochoid

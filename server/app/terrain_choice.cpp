@@ -15,6 +15,28 @@ TerrainChoice::TerrainChoice(std::shared_ptr<const TerrainGrid> grid) : grid_(st
             errors_[{key.level, key.x, key.z}] = to_metres(tile_geometric_error(*grid_, key));
 }
 
+TerrainChoice::TerrainChoice(const TerrainChoice& before, std::shared_ptr<const TerrainGrid> grid,
+                             const LatticeRect& touched)
+    : grid_(std::move(grid)), errors_(before.errors_), changes_(before.changes_) {
+    changes_.push_back(touched);
+    for (uint32_t level = 1; level < tile_levels(*grid_); ++level)
+        for (const TerrainTileKey& key : tiles_at_level(*grid_, level))
+            if (overlap(rect_of(key), touched))
+                errors_[{key.level, key.x, key.z}] = to_metres(tile_geometric_error(*grid_, key));
+}
+
+LatticeRect TerrainChoice::rect_of(TerrainTileKey key) const {
+    const int64_t side = int64_t{terrain_tile_cells} << (key.level + grid_->spacing_log2);
+    const LatticePoint corner{grid_->origin_x + key.x * side, grid_->origin_z + key.z * side};
+    return {corner, {corner.x + side, corner.z + side}};
+}
+
+uint32_t TerrainChoice::revision(TerrainTileKey key) const {
+    for (size_t i = changes_.size(); i > 0; --i)
+        if (overlap(rect_of(key), changes_[i - 1])) return static_cast<uint32_t>(i);
+    return 0;
+}
+
 double TerrainChoice::error_metres(TerrainTileKey key) const {
     const auto place = errors_.find({key.level, key.x, key.z});
     return place == errors_.end() ? 0.0 : place->second;  // level 0 is the grid itself

@@ -13,6 +13,12 @@ std::string range_text(NumberRange range, std::string_view unit) {
     return fmt::format("{:.10g} to {:.10g}{}{}", range.least, range.most, unit.empty() ? "" : " ", unit);
 }
 
+constexpr NumberRange world_metres{to_metres(-world_bound), to_metres(world_bound)};
+
+std::string place_text() {
+    return fmt::format("[x, z], metres east and south, each {}", range_text(world_metres, ""));
+}
+
 }  // namespace
 
 SceneReader::SceneReader(std::string file, std::string path, const toml::table& table)
@@ -93,22 +99,54 @@ size_t SceneReader::choice(std::string_view key, const std::vector<std::string_v
     refuse(key, fmt::format("is \"{}\": {}", value, wanted));
 }
 
-LatticePoint SceneReader::place(std::string_view key) {
-    const NumberRange range{to_metres(-world_bound), to_metres(world_bound)};
-    const std::string wanted = fmt::format("[x, z], metres east and south, each {}", range_text(range, ""));
+bool SceneReader::boolean(std::string_view key, bool fallback) {
     const toml::node* node = find(key);
-    if (node == nullptr) missing(key, wanted);
-    const toml::array* pair = node->as_array();
-    if (pair == nullptr || pair->size() != 2) refuse(key, "is not a pair: give " + wanted);
+    if (node == nullptr) return fallback;
+    if (!node->is_boolean()) refuse(key, "is neither true nor false: give one of them");
+    return node->as_boolean()->get();
+}
+
+std::optional<LatticePoint> SceneReader::place_in(const toml::node& node) const {
+    const toml::array* pair = node.as_array();
+    if (pair == nullptr || pair->size() != 2) return std::nullopt;
     double metres[2] = {};
     for (size_t i = 0; i < 2; ++i) {
         const toml::node& item = *pair->get(i);
         const std::optional<double> value = item.is_number() ? item.value<double>() : std::nullopt;
-        if (!value || !(*value >= range.least && *value <= range.most))
-            refuse(key, fmt::format("has an element that is no number in range: give {}", wanted));
+        if (!value || !(*value >= world_metres.least && *value <= world_metres.most)) return std::nullopt;
         metres[i] = *value;
     }
-    return {to_lattice(metres[0]), to_lattice(metres[1])};
+    return LatticePoint{to_lattice(metres[0]), to_lattice(metres[1])};
+}
+
+LatticePoint SceneReader::place(std::string_view key) {
+    const std::string wanted = place_text();
+    const toml::node* node = find(key);
+    if (node == nullptr) missing(key, wanted);
+    const toml::array* pair = node->as_array();
+    if (pair == nullptr || pair->size() != 2) refuse(key, "is not a pair: give " + wanted);
+    const std::optional<LatticePoint> place = place_in(*node);
+    if (!place) refuse(key, fmt::format("has an element that is no number in range: give {}", wanted));
+    return *place;
+}
+
+std::vector<LatticePoint> SceneReader::places(std::string_view key, size_t least, size_t most) {
+    const std::string wanted = fmt::format("{} to {} places, each {}", least, most, place_text());
+    const toml::node* node = find(key);
+    if (node == nullptr) missing(key, wanted);
+    const toml::array* list = node->as_array();
+    if (list == nullptr) refuse(key, "is not a list of places: give " + wanted);
+    if (list->size() < least || list->size() > most)
+        refuse(key, fmt::format("has {} places: give {}", list->size(), wanted));
+    std::vector<LatticePoint> places;
+    for (const toml::node& item : *list) {
+        const std::optional<LatticePoint> place = place_in(item);
+        if (!place)
+            refuse(key, fmt::format("has a place, number {}, that is no pair of numbers in range: give {}",
+                                    places.size() + 1, wanted));
+        places.push_back(*place);
+    }
+    return places;
 }
 
 const toml::table* SceneReader::table(std::string_view key) {

@@ -35,8 +35,11 @@ public:
     std::string text(std::string_view key, size_t longest, std::optional<std::string> fallback = {});
     /// One of the words, as its index.
     size_t choice(std::string_view key, const std::vector<std::string_view>& words, size_t fallback);
+    bool boolean(std::string_view key, bool fallback);
     /// [x_m, z_m]: metres east and south of the world's origin.
     LatticePoint place(std::string_view key);
+    /// [[x_m, z_m], …] with `least` to `most` places.
+    std::vector<LatticePoint> places(std::string_view key, size_t least, size_t most);
     /// A sub-table; nullptr where it is missing.
     const toml::table* table(std::string_view key);
     /// The tables of an array of tables ([[key]]); empty where it is missing.
@@ -47,10 +50,12 @@ public:
     [[noreturn]] void refuse(std::string_view key, std::string_view complaint) const;
 
     const std::string& file() const { return file_; }
+    const std::string& path() const { return path_; }
 
 private:
     const toml::node* find(std::string_view key);
     std::string name_of(std::string_view key) const;
+    std::optional<LatticePoint> place_in(const toml::node& node) const;
     [[noreturn]] void missing(std::string_view key, std::string_view what) const;
 
     std::string file_;

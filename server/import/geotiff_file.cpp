@@ -8,14 +8,11 @@
 #include <tiffio.h>
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <cstdlib>
 #include <cstring>
 #include <limits>
 #include <mutex>
-
-#include "protocol/units/operator_error.hpp"
 
 namespace trochoid {
 namespace {
@@ -80,10 +77,6 @@ std::vector<double> numbers_tag(TIFF* tiff, uint32_t tag) {
     return {values, values + count};
 }
 
-[[noreturn]] void refuse(const std::string& path, std::string_view why) {
-    throw OperatorError(fmt::format("{}: {}", path, why));
-}
-
 /// Affine from raster coordinates (0, 0 at the outer corner of the first pixel where pixels are areas) to source ones.
 std::array<double, 6> raster_affine(TIFF* tiff, const std::string& path) {
     const std::vector<double> matrix = numbers_tag(tiff, TIFFTAG_GEOTRANSMATRIX);
@@ -94,8 +87,9 @@ std::array<double, 6> raster_affine(TIFF* tiff, const std::string& path) {
         // Rows grow southwards by the standard; a negative scale turns that round (south-up).
         return {tie[3] - tie[0] * scale[0], scale[0], 0.0, tie[4] + tie[1] * scale[1], 0.0, -scale[1]};
     if (tie.size() > 6)
-        refuse(path, "it has ground control points only: straighten it first, for instance with gdalwarp");
-    refuse(
+        refuse_raster(path,
+                      "it has ground control points only: straighten it first, for instance with gdalwarp");
+    refuse_raster(
         path,
         "the raster has no georeference (no pixel scale with tie point, no transformation): give it one, for instance "
         "with gdal_edit.py -a_ullr -a_srs EPSG:4326");
@@ -107,13 +101,13 @@ std::string source_projection(GTIF* keys, const std::string& path) {
     const bool defined = definition && GTIFGetDefn(keys, definition.get()) == 1;
     if (defined && definition->Model == ModelTypeGeographic) {
         if (std::fabs(definition->UOMAngleInDegrees - 1.0) > 1e-9)
-            refuse(
+            refuse_raster(
                 path,
                 "its coordinates are angles in another unit than degrees: warp it to EPSG:4326 first (gdalwarp)");
         return "";
     }
     if (!defined || definition->Model != ModelTypeProjected)
-        refuse(
+        refuse_raster(
             path,
             "the raster has no georeference (no coordinate system): give it one, for instance with gdal_edit.py -a_srs "
             "EPSG:4326");
@@ -121,8 +115,8 @@ std::string source_projection(GTIF* keys, const std::string& path) {
     std::string projection = text ? text : "";
     GTIFFreeMemory(text);
     if (projection.substr(0, 6) != "+proj=")
-        refuse(path,
-               "its projection is not known here: warp it to EPSG:4326 first (gdalwarp -t_srs EPSG:4326)");
+        refuse_raster(
+            path, "its projection is not known here: warp it to EPSG:4326 first (gdalwarp -t_srs EPSG:4326)");
     return projection;
 }
 
@@ -160,22 +154,6 @@ float decode_sample(SampleType type, const uint8_t* bytes, std::optional<double>
     }
 }
 
-StatedSign sign_in_text(std::string text) {
-    std::transform(text.begin(), text.end(), text.begin(),
-                   [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-    const std::size_t at = text.find("positive");
-    if (at != std::string::npos) {
-        const std::string after = text.substr(at, 24);
-        if (after.find("down") != std::string::npos) return StatedSign::positive_down;
-        if (after.find("up") != std::string::npos) return StatedSign::positive_up;
-    }
-    const auto has = [&](const char* word) { return text.find(word) != std::string::npos; };
-    const bool up = has("elevation") || has("altitude") || has("height");
-    const bool down = has("depth");
-    if (up == down) return StatedSign::none;
-    return up ? StatedSign::positive_up : StatedSign::positive_down;
-}
-
 }  // namespace
 
 struct GeotiffFile::Handle {
@@ -206,13 +184,13 @@ void GeotiffFile::Handle::read_layout() {
     TIFFGetFieldDefaulted(tiff.get(), TIFFTAG_BITSPERSAMPLE, &type.bits);
     TIFFGetFieldDefaulted(tiff.get(), TIFFTAG_SAMPLEFORMAT, &type.format);
     if (columns < 2 || rows < 2)
-        refuse(path, "the raster has fewer than 2 columns or rows: give one with heights");
+        refuse_raster(path, "the raster has fewer than 2 columns or rows: give one with heights");
     if (bands != 1)
-        refuse(path,
-               fmt::format("the raster has {} bands: extract the one with heights (gdal_translate -b N)",
-                           bands));
+        refuse_raster(
+            path, fmt::format("the raster has {} bands: extract the one with heights (gdal_translate -b N)",
+                              bands));
     if (!is_height_type(type))
-        refuse(
+        refuse_raster(
             path,
             fmt::format(
                 "samples of {} bits in TIFF format {} are no heights: convert them (gdal_translate -ot Float32)",
@@ -230,15 +208,16 @@ void GeotiffFile::Handle::read_layout() {
     }
     const tmsize_t bytes = tiled ? TIFFTileSize(tiff.get()) : TIFFStripSize(tiff.get());
     if (block_width == 0 || block_height == 0 || bytes <= 0 || bytes > block_bytes_max)
-        refuse(path,
-               "its strips or tiles are empty or above 256 MiB: rewrite it (gdal_translate -co TILED=YES)");
+        refuse_raster(
+            path,
+            "its strips or tiles are empty or above 256 MiB: rewrite it (gdal_translate -co TILED=YES)");
     block_columns = block_width;
     block_rows = block_height;
 }
 
 void GeotiffFile::Handle::read_georeference() {
     const std::unique_ptr<GTIF, KeysFree> keys(GTIFNew(tiff.get()));
-    if (!keys) refuse(path, "its geographic keys cannot be read: rewrite it (gdal_translate)");
+    if (!keys) refuse_raster(path, "its geographic keys cannot be read: rewrite it (gdal_translate)");
     const std::array<double, 6> corner = raster_affine(tiff.get(), path);
     placement.projection = source_projection(keys.get(), path);
     uint16_t raster_type = RasterPixelIsArea;
@@ -249,7 +228,7 @@ void GeotiffFile::Handle::read_georeference() {
     placement.a[3] += centre * (corner[4] + corner[5]);
     const double area = corner[1] * corner[5] - corner[2] * corner[4];
     if (!std::isfinite(area) || area == 0.0)
-        refuse(
+        refuse_raster(
             path,
             "the raster has no georeference (its pixels have no size): give it one (gdal_edit.py -a_ullr)");
     uint16_t vertical = 0;
@@ -279,22 +258,22 @@ void GeotiffFile::Handle::read_block(int64_t column, int64_t row, std::vector<ui
         tiled ? TIFFReadEncodedTile(tiff.get(), TIFFComputeTile(tiff.get(), x, y, 0, 0), bytes.data(), size)
               : TIFFReadEncodedStrip(tiff.get(), TIFFComputeStrip(tiff.get(), y, 0), bytes.data(), size);
     if (got < needed)
-        refuse(path,
-               fmt::format("the data at column {}, row {} is damaged or cut short ({}): fetch the file again",
-                           column, row, last_complaint.empty() ? "too few bytes" : last_complaint));
+        refuse_raster(
+            path,
+            fmt::format("the data at column {}, row {} is damaged or cut short ({}): fetch the file again",
+                        column, row, last_complaint.empty() ? "too few bytes" : last_complaint));
 }
 
 GeotiffFile::GeotiffFile(const std::filesystem::path& path) : handle_(std::make_unique<Handle>()) {
     set_up_libtiff();
     handle_->path = path.string();
-    if (!std::filesystem::is_regular_file(path))
-        throw OperatorError(fmt::format("cannot open the raster {}: check the path", path.string()));
     last_complaint.clear();
     // 'm': read instead of mapping, so that a file cut short while we read is an error and no signal.
     handle_->tiff.reset(XTIFFOpen(path.c_str(), "rm"));
     if (!handle_->tiff)
-        refuse(handle_->path,
-               fmt::format("this is no TIFF ({}): convert it with gdal_translate -of GTiff", last_complaint));
+        refuse_raster(
+            handle_->path,
+            fmt::format("this is no TIFF ({}): convert it with gdal_translate -of GTiff", last_complaint));
     handle_->read_layout();
     handle_->read_georeference();
     handle_->read_descriptions();

@@ -51,8 +51,10 @@ void add_grid_options(CLI::App& command, Options& options, GridRequest& grid) {
 }
 
 CLI::App* add_raster(CLI::App& app, Options& options) {
-    CLI::App* raster = app.add_subcommand("raster", "Import a GeoTIFF of heights or depths in metres");
-    raster->add_option("IN.tif", options.input, "The raster")->required();
+    CLI::App* raster =
+        app.add_subcommand("raster", "Import a GeoTIFF, netCDF or 16-bit PNG of heights or depths in metres");
+    raster->add_option("RASTER", options.input, "in.tif, in.nc (GEBCO, ETOPO, GMT) or in.png (with in.toml)")
+        ->required();
     add_grid_options(*raster, options, options.raster.grid);
     const std::map<std::string, RasterSign> signs{
         {"auto", RasterSign::automatic}, {"up", RasterSign::up}, {"down", RasterSign::down}};
@@ -66,6 +68,18 @@ CLI::App* add_raster(CLI::App& app, Options& options) {
         ->add_option("--open-depth", options.raster.open_depth,
                      "Metres of depth far outside (0: mean along the border)")
         ->capture_default_str();
+    raster->add_option("--variable", options.raster.variable,
+                       "Of a netCDF, the variable with the heights (default: elevation, z, Band1, ...)");
+    raster->footer(
+        "A PNG is 16-bit grayscale; the TOML file beside it, of the same name, says where and how high it is:\n"
+        "  height_scale  = 0.03125   metres a count (required)\n"
+        "  height_offset = -64.0     metres of count 0 (required)\n"
+        "  positive      = \"up\"      or \"down\": depths\n"
+        "  nodata        = 0         count of missing samples\n"
+        "  projection    = \"+proj=...\"  PROJ string, metres; left out: longitude and latitude, degrees\n"
+        "  bounds        = [west, south, east, north]  outer edges of the outer pixels; or both of\n"
+        "  origin        = [west, north] edges of the first pixel, pixel_size = [eastwards, southwards]\n"
+        "  source        = \"...\"     for the record");
     return raster;
 }
 
@@ -142,7 +156,7 @@ int run(int argc, char** argv) {
     app.footer(
         "Examples:\n"
         "  trochoid-import coast shore.geojson --out isles.terrain --origin -6.345,49.92 --extent 20480,20480\n"
-        "  trochoid-import raster gebco.tif --out bay.terrain --origin 2.5,43 --extent 60000,60000 --spacing 128\n"
+        "  trochoid-import raster gebco.nc --out bay.terrain --origin 2.5,43 --extent 60000,60000 --spacing 128\n"
         "  trochoid-import picture isles.terrain isles.png");
     Options options;
     CLI::App* raster = add_raster(app, options);

@@ -9,7 +9,7 @@
 
 #include "protocol/units/lattice.hpp"
 #include "protocol/units/operator_error.hpp"
-#include "server/import/geotiff_file.hpp"
+#include "server/import/raster_file.hpp"
 
 namespace trochoid {
 namespace {
@@ -145,7 +145,7 @@ Window enclosing_window(const std::vector<RasterPoint>& points, const RasterPlac
 }
 
 /// Reads the window, on a raster around the globe piece by piece from seam to seam.
-void read_window(const GeotiffFile& file, int64_t columns_around, std::optional<double> nodata,
+void read_window(const RasterFile& file, int64_t columns_around, std::optional<double> nodata,
                  Window& window) {
     if (columns_around == 0) {
         window.samples = file.read(window.column, window.row, window.columns, window.rows, nodata);
@@ -274,7 +274,8 @@ std::size_t fill_missing(std::vector<float>& samples, int64_t columns, int64_t r
 }
 
 ImportedTerrain import_raster(const std::filesystem::path& raster, const RasterRequest& request) {
-    const GeotiffFile file(raster);
+    const std::unique_ptr<RasterFile> opened = open_raster(raster, request.variable);
+    const RasterFile& file = *opened;
     const WorldMap map(request.grid.projection, request.grid.origin);
     ImportedTerrain result;
     result.grid = plan_grid(request.grid, map);
@@ -295,8 +296,9 @@ ImportedTerrain import_raster(const std::filesystem::path& raster, const RasterR
     for (const RasterPoint& point : points) metres.push_back(sign * bilinear(window, point));
     store_heights(result.grid, metres);
     set_open_sea(result.grid, request.open_depth);
-    result.grid.provenance =
-        fmt::format("Heights: {}, positive {}.", raster.filename().string(), sign < 0.0 ? "down" : "up");
+    const std::string source = file.stated_source();
+    result.grid.provenance = fmt::format("Heights: {}, positive {}.{}{}", raster.filename().string(),
+                                         sign < 0.0 ? "down" : "up", source.empty() ? "" : " ", source);
     result.report = describe_heights(result.grid);
     result.report.notes = std::move(notes);
     return result;

@@ -21,9 +21,11 @@ struct RasterRequest {
     std::optional<double> nodata;
     /// Metres; 0 takes the mean depth along the grid's border.
     double open_depth = 0.0;
+    /// The netCDF variable with the heights; empty chooses.
+    std::string variable;
 };
 
-/// Projects a GeoTIFF of heights or depths in metres onto the grid, bilinearly. Longitudes may run -180..180 or
+/// Projects a raster of heights or depths in metres (open_raster: GeoTIFF, netCDF, PNG with sidecar) onto the grid, bilinearly. Longitudes may run -180..180 or
 /// 0..360, the place may lie across the raster's seam, rows may run north or south, pixels be areas or points;
 /// projected rasters work where PROJ knows the projection. Missing samples are filled from their neighbours. Datum shifts are
 /// not applied. Throws OperatorError where the place reaches beyond the raster, more than half of the samples

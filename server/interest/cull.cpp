@@ -4,7 +4,6 @@
 #include <utility>
 
 #include "server/interest/patch_priority.hpp"
-#include "server/interest/wave_train_filter.hpp"
 
 namespace trochoid {
 
@@ -36,7 +35,7 @@ void add_region(const InterestIndex& index, const CullKey& key, const SyncRegion
         const IndexedBox& box = *index.boxes()[i];
         const WaveTrainBox& record = box.sea->record;
         if (record.end + record.decay_us + sync_history_us <= key.from) continue;
-        if (!touches(whole_footprint(box, region.centre), square)) continue;
+        if (!touches(whole_footprint(box, region.centre, key.from - sync_history_us), square)) continue;
         referred.box(i);
         for (size_t f = 0; f < box.fields.size(); ++f) referred.blocks(i, f, rect);
     }
@@ -53,7 +52,7 @@ CullResult cull(const InterestIndex& index, const CullKey& key) {
     Referred referred(index);
     for (const SelectedPatch& patch : selection.patches) {
         PatchDescriptor d =
-            describe(selection, patch, lod.spacing(patch.distance), referred, out.report.trains_left_out);
+            describe(selection, patch, lod.spacing(patch.distance), referred, out.report.left_out);
         for (const PatchBox& box : d.boxes) out.report.trains_kept += box.train_count;
         out.report.largest_error = std::max(out.report.largest_error, d.height_error);
         out.state.patches.emplace(d.key, std::move(d));

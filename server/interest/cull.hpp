@@ -1,19 +1,19 @@
 #pragma once
-#include "server/interest/patch_selection.hpp"
+#include "server/interest/wave_train_filter.hpp"
 
 namespace trochoid {
 
 /// What a cull left out and why; nothing is dropped silently.
 struct CullReport {
     SelectionCounts selection;
-    uint32_t delivered = 0;        ///< patches in the state
-    uint32_t over_limit = 0;       ///< patches in view beyond the key's limit, lowest priority
-    uint32_t trains_kept = 0;      ///< summed over delivered patches
-    uint32_t trains_left_out = 0;  ///< weightless everywhere on their patch
-    uint32_t boxes_alive = 0;      ///< over the key's span
-    uint32_t blocks = 0;           ///< land blocks in the state
-    double visibility = 0.0;       ///< m along the sea to which water is shown
-    float largest_error = 0.0F;    ///< largest H of any patch, m
+    uint32_t delivered = 0;      ///< patches in the state
+    uint32_t over_limit = 0;     ///< patches in view beyond the key's limit, lowest priority
+    uint32_t trains_kept = 0;    ///< summed over delivered patches
+    LeftOut left_out;            ///< weightless everywhere on their patch
+    uint32_t boxes_alive = 0;    ///< over the key's span
+    uint32_t blocks = 0;         ///< land blocks in the state
+    double visibility = 0.0;     ///< m along the sea to which water is shown
+    float largest_error = 0.0F;  ///< largest H of any patch, m
     bool operator==(const CullReport&) const = default;
 };
 

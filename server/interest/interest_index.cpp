@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <map>
 
 #include "protocol/model/arithmetic_rules.hpp"
 
@@ -20,6 +21,7 @@ BlockBounds bounds_of(const LandBlock& block, uint8_t step_log2) {
     // Inside a cell the bilinear gradient lies between those on its edges.
     int64_t shift_squared = 0;
     int64_t gain_squared = 0;
+    int64_t orbit_squared = 0;
     for (size_t row = 0; row < block_cells; ++row)
         for (size_t column = 0; column < block_cells; ++column) {
             const size_t nw = row * block_nodes + column;
@@ -32,38 +34,59 @@ BlockBounds bounds_of(const LandBlock& block, uint8_t step_log2) {
             };
             shift_squared = std::max(shift_squared, steepest(block.shift));
             gain_squared = std::max(gain_squared, steepest(block.gain));
+            orbit_squared = std::max(orbit_squared, steepest(block.orbit));
         }
     const double metres = to_metres(int64_t{1} << step_log2);
+    const auto root = [](int64_t squared) {
+        return rounding_cover * std::sqrt(static_cast<double>(squared));
+    };
     const uint16_t highest = *std::max_element(block.gain.begin(), block.gain.end());
-    return {rounding_cover * highest / unit_node_gain,
-            rounding_cover * std::sqrt(static_cast<double>(gain_squared)) / unit_node_gain / metres,
-            rounding_cover * std::sqrt(static_cast<double>(shift_squared)) * two_pi / 65536.0 / metres};
+    const uint16_t flattest = *std::max_element(block.orbit.begin(), block.orbit.end());
+    return {rounding_cover * highest / unit_node_gain, root(gain_squared) / unit_node_gain / metres,
+            root(shift_squared) * two_pi / 65536.0 / metres, rounding_cover * flattest / unit_node_orbit,
+            root(orbit_squared) / unit_node_orbit / metres};
 }
 
-void add_train(TrainSums& sums, const TrainConstants& t, double choppiness) {
+/// `turn`: wave number over that of the train itself, at most, where crests are round.
+void add_train(TrainSums& sums, const TrainConstants& t, double choppiness, double turn) {
     const double a = static_cast<double>(t.a) * rounding_cover;
-    const double k = static_cast<double>(t.k);
+    const double k = static_cast<double>(t.k) * turn;
     sums.a += a;
     sums.h += choppiness * a;
     sums.ka += k * a;
     sums.kh += choppiness * k * a;
 }
 
+/// Round waves add c k across the box at its sides: |k'|^2 = k^2 (1 + c^2 + 2 c |d . v|) there.
+double turn_of(const WaveTrainBox& box, const TrainConstants& t) {
+    const double c = static_cast<double>(box.roundness) / full_roundness;
+    if (c == 0.0) return 1.0;
+    const double across = (static_cast<double>(t.dz) * box.ux - static_cast<double>(t.dx) * box.uz) /
+                          static_cast<double>(1 << 30);
+    return rounding_cover * std::sqrt(1.0 + c * c + 2.0 * c * (across < 0.0 ? -across : across));
+}
+
 IndexedField index_field(const LandField& field) {
     IndexedField out;
     out.id = field.id();
     out.step_log2 = field.step_log2();
+    // The uppermost field that has a block there counts.
+    std::map<BlockKey, FieldBlock> counts;
+    for (const LandField* layer = &field; layer != nullptr; layer = layer->base().get())
+        for (auto& block : layer->blocks()) {
+            const BlockKey key = block->key;
+            counts.try_emplace(key, FieldBlock{layer->id(), field.step_log2(), std::move(block), 0});
+        }
+    if (counts.empty()) return out;
     BlockKey last;
-    for (auto& block : field.blocks()) {
-        const BlockKey key = block->key;
-        if (out.blocks.empty()) out.first = last = key;
+    out.first = last = counts.begin()->first;
+    for (auto& [key, block] : counts) {
         out.first = {std::min(out.first.x, key.x), std::min(out.first.z, key.z)};
         last = {std::max(last.x, key.x), std::max(last.z, key.z)};
-        out.bounds.push_back(bounds_of(*block, field.step_log2()));
-        const uint64_t content = hash_of(*block);
-        out.blocks.push_back({field.id(), field.step_log2(), std::move(block), content});
+        block.content = hash_of(*block.block);
+        out.bounds.push_back(bounds_of(*block.block, out.step_log2));
+        out.blocks.push_back(std::move(block));
     }
-    if (out.blocks.empty()) return out;
     out.columns = int64_t{last.x} - out.first.x + 1;
     out.rows = int64_t{last.z} - out.first.z + 1;
     out.slots.assign(static_cast<size_t>(out.columns * out.rows), -1);
@@ -83,6 +106,17 @@ double ramp_slope_of(const WaveTrainBox& box) {
     return std::sqrt(square(along) + square(across)) * rounding_cover;
 }
 
+/// Irregular heights: 1 - (a/A) sin sin, whose gradient is at most a/A times both wave numbers.
+void add_modulation(IndexedBox& out) {
+    const IrregularHeight& i = out.sea->record.irregular;
+    const double share = static_cast<double>(i.share) / full_irregularity;
+    const auto wave_number = [](int32_t kx, int32_t kz) {
+        return std::sqrt(square(kx) + square(kz)) * (two_pi * lattice_per_metre / 4294967296.0);
+    };
+    out.modulation = (1.0 + share) * rounding_cover;
+    out.modulation_slope = share * (wave_number(i.ukx, i.ukz) + wave_number(i.vkx, i.vkz)) * rounding_cover;
+}
+
 std::shared_ptr<const IndexedBox> index_box(const std::shared_ptr<const PreparedBox>& sea) {
     auto out = std::make_shared<IndexedBox>();
     out->sea = sea;
@@ -97,13 +131,28 @@ std::shared_ptr<const IndexedBox> index_box(const std::shared_ptr<const Prepared
         longest = std::max(longest, static_cast<double>(t.wavelength));
         out->longest[i] = longest;
         out->tail[i] = out->tail[i + 1];
-        add_train(out->tail[i], t, choppiness);
+        const double turn = turn_of(sea->record, t);
+        add_train(out->tail[i], t, choppiness, turn);
         const int16_t index = sea->field_of_train[i];
         if (index >= 0) out->fields[static_cast<size_t>(index)].first_train = i;
-        add_train(index < 0 ? out->open : out->fields[static_cast<size_t>(index)].trains, t, choppiness);
+        add_train(index < 0 ? out->open : out->fields[static_cast<size_t>(index)].trains, t, choppiness,
+                  turn);
     }
     out->ramp_slope = ramp_slope_of(sea->record);
-    out->gain_max = static_cast<double>(sea->record.gain_max) / unit_node_gain;
+    add_modulation(*out);
+    out->wake = wake_extra(sea->record.wake);
+    out->longest_noise = longest_wave(sea->record.noise);
+    if (!sea->record.noise.displayed_only) out->noise = noise_extra(sea->record.noise);
+    out->height = height_bound(sea->record);
+    out->displacement = out->wake.displacement + out->open.h * out->modulation;
+    for (const IndexedField& field : out->fields) {
+        double gain = 1.0, orbit = 1.0;
+        for (const BlockBounds& b : field.bounds) {
+            gain = std::max(gain, b.gain);
+            orbit = std::max(orbit, b.orbit);
+        }
+        out->displacement += field.trains.h * gain * orbit * out->modulation;
+    }
     return out;
 }
 

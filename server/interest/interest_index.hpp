@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "protocol/model/interest_state.hpp"
+#include "server/interest/extra_bounds.hpp"
 #include "server/interest/terrain_minima.hpp"
 #include "server/world/world_state.hpp"
 
@@ -13,9 +14,11 @@ struct BlockBounds {
     double gain = 1.0;
     double gain_slope = 0.0;   ///< 1/m
     double shift_slope = 0.0;  ///< rad/m
+    double orbit = 1.0;
+    double orbit_slope = 0.0;  ///< 1/m
 };
 
-/// Sums over some trains of a box, before any gain (A amplitude in m, chi choppiness, k rad/m).
+/// Sums over some trains of a box, before any gain (A amplitude in m, chi choppiness, k rad/m, round waves' turn included).
 struct TrainSums {
     double a = 0.0;   ///< sum of A, m
     double h = 0.0;   ///< sum of chi A, m
@@ -23,7 +26,8 @@ struct TrainSums {
     double kh = 0.0;  ///< sum of chi k A
 };
 
-/// A land field with a dense window for look-ups and its blocks ready to be handed on.
+/// A land field with a dense window for look-ups and its blocks ready to be handed on: where it lies over another, the blocks
+/// that count, each under the id of the field that holds it.
 struct IndexedField {
     FieldId id;
     uint8_t step_log2 = 16;
@@ -45,9 +49,15 @@ struct IndexedBox {
     std::vector<double> longest;
     /// [i]: sums over the trains i and beyond; one entry more than trains, the last is 0.
     std::vector<TrainSums> tail;
-    TrainSums open;           ///< of the trains without a field
-    double ramp_slope = 0.0;  ///< largest gradient of the envelope, 1/m
-    double gain_max = 1.0;    ///< largest land gain
+    TrainSums open;  ///< of the trains without a field
+    ExtraBounds wake;
+    ExtraBounds noise;              ///< of noise that is part of the authoritative surface
+    double longest_noise = 0.0;     ///< m, displayed noise included
+    double ramp_slope = 0.0;        ///< largest gradient of the envelope, 1/m
+    double modulation = 1.0;        ///< largest factor of irregular heights
+    double modulation_slope = 0.0;  ///< 1/m
+    double height = 0.0;            ///< m, most that anything of the box lifts or lowers the water
+    double displacement = 0.0;      ///< m, most that it shifts the water sideways
 };
 
 /// What culls of one world share. An immutable value; holds all that it refers to.

@@ -52,26 +52,39 @@ bool for_blocks(const IndexedField& field, const LatticeRect& rect, Visit visit)
 
 /// Largest gain and gradients of the field over the rectangle.
 BlockBounds bounds_over(const IndexedField& field, const LatticeRect& rect) {
-    BlockBounds all{0.0, 0.0, 0.0};
+    BlockBounds all{0.0, 0.0, 0.0, 0.0, 0.0};
     const bool whole = for_blocks(field, rect, [&](size_t block) {
         const BlockBounds& b = field.bounds[block];
         all.gain = std::max(all.gain, b.gain);
         all.gain_slope = std::max(all.gain_slope, b.gain_slope);
         all.shift_slope = std::max(all.shift_slope, b.shift_slope);
+        all.orbit = std::max(all.orbit, b.orbit);
+        all.orbit_slope = std::max(all.orbit_slope, b.orbit_slope);
     });
-    // Where no block lies the gain reads 1.
-    if (!whole) all.gain = std::max(all.gain, 1.0);
+    // Where no block lies gain and orbit read 1.
+    if (!whole) {
+        all.gain = std::max(all.gain, 1.0);
+        all.orbit = std::max(all.orbit, 1.0);
+    }
     return all;
 }
 
-/// What the full sea may do on a patch: sums over boxes, their time share included.
+/// What the full sea may do on a patch: sums over boxes, their time share included. With the gain g of envelope, land and
+/// irregular heights and the orbit o: |grad y| <= k A g + A |grad g|, |grad a| <= chi (k A g o + A |grad (g o)|).
 struct SlopeBounds {
-    double slope = 0.0;      ///< sum of k A g + A |grad g|
-    double steepness = 0.0;  ///< sum of chi (k A g + A |grad g|)
-    void add(const TrainSums& t, const BlockBounds& land, double ramp_slope, double share) {
-        const double gain_slope = land.gain_slope + ramp_slope * land.gain;
-        slope += share * ((t.ka + land.shift_slope * t.a) * land.gain + gain_slope * t.a);
-        steepness += share * ((t.kh + land.shift_slope * t.h) * land.gain + gain_slope * t.h);
+    double slope = 0.0;
+    double steepness = 0.0;
+    void add(const TrainSums& t, const BlockBounds& land, const IndexedBox& box, double share) {
+        const double gain = land.gain * box.modulation;
+        const double gain_slope = (land.gain_slope + box.ramp_slope * land.gain) * box.modulation +
+                                  land.gain * box.modulation_slope;
+        const double orbit_slope = gain_slope * land.orbit + gain * land.orbit_slope;
+        slope += share * ((t.ka + land.shift_slope * t.a) * gain + gain_slope * t.a);
+        steepness += share * ((t.kh + land.shift_slope * t.h) * gain * land.orbit + orbit_slope * t.h);
+    }
+    void add(const ExtraBounds& extra, double ramp_slope, double share) {
+        slope += share * (extra.slope + ramp_slope * extra.height);
+        steepness += share * (extra.steepness + ramp_slope * extra.displacement);
     }
 };
 
@@ -80,6 +93,20 @@ struct Missing {
     double lift = 0.0;   ///< E, m
     double shift = 0.0;  ///< E_h, m
 };
+
+bool shows(double longest_wave, double spacing) {
+    return longest_wave > static_cast<double>(spacings_of_first_show) * spacing / weightless_margin;
+}
+
+/// What a patch is told of a box: its first trains, and with a box that is named its wake and its noise.
+struct Told {
+    size_t trains = 0;
+    bool named = false;
+};
+Told told_of(const IndexedBox& box, double spacing) {
+    const size_t trains = kept_trains(box, spacing);
+    return {trains, trains > 0 || shows(box.wake.longest, spacing) || shows(box.longest_noise, spacing)};
+}
 
 LatticeRect widened(const LatticeRect& r, double metres) {
     const int64_t by = to_lattice(metres) + 1;
@@ -125,21 +152,27 @@ void Referred::collect(InterestState& state) const {
 }
 
 PatchDescriptor describe(const Selection& selection, const SelectedPatch& patch, double spacing,
-                         Referred& referred, uint32_t& left_out) {
+                         Referred& referred, LeftOut& left_out) {
     PatchDescriptor out;
     out.key = patch.key;
     const LatticeRect rect = widened(rect_of(patch.key), patch.reach);
     bool something_missing = false;
     for (const uint32_t i : selection.boxes_of(patch)) {
         const IndexedBox& box = *selection.footprints[i].box;
-        const size_t kept = kept_trains(box, spacing);
-        left_out += static_cast<uint32_t>(box.longest.size() - kept);
-        something_missing = something_missing || box.tail[kept].a > 0.0;
-        if (kept == 0) continue;
-        out.boxes.push_back({box.sea->record.id, static_cast<uint16_t>(kept)});
+        const Told told = told_of(box, spacing);
+        left_out.trains += static_cast<uint32_t>(box.longest.size() - told.trains);
+        something_missing = something_missing || box.tail[told.trains].a > 0.0;
+        if (!told.named) {
+            const WaveTrainBox& record = box.sea->record;
+            left_out.wakes += has_wake(record.wake) ? 1U : 0U;
+            left_out.noises += record.noise.amplitude != 0.0F ? 1U : 0U;
+            something_missing = something_missing || box.wake.height + box.noise.height > 0.0;
+            continue;
+        }
+        out.boxes.push_back({box.sea->record.id, static_cast<uint16_t>(told.trains)});
         referred.box(i);
         for (size_t f = 0; f < box.fields.size(); ++f)
-            if (box.fields[f].first_train < kept) referred.blocks(i, f, rect);
+            if (box.fields[f].first_train < told.trains) referred.blocks(i, f, rect);
     }
     if (!something_missing) return out;
 
@@ -148,16 +181,25 @@ PatchDescriptor describe(const Selection& selection, const SelectedPatch& patch,
     for (const uint32_t i : selection.boxes_of(patch)) {
         const BoxFootprint& footprint = selection.footprints[i];
         const IndexedBox& box = *footprint.box;
+        const double share = footprint.share;
         double gain = box.open.a > 0.0 ? 1.0 : 0.0;
-        bounds.add(box.open, {}, box.ramp_slope, footprint.share);
+        double orbit = 1.0;
+        bounds.add(box.open, {}, box, share);
         for (const IndexedField& field : box.fields) {
             const BlockBounds land = bounds_over(field, rect);
             gain = std::max(gain, land.gain);
-            bounds.add(field.trains, land, box.ramp_slope, footprint.share);
+            orbit = std::max(orbit, land.orbit);
+            bounds.add(field.trains, land, box, share);
         }
-        const TrainSums& tail = box.tail[kept_trains(box, spacing)];
-        missing.lift += tail.a * gain * footprint.share;
-        missing.shift += tail.h * gain * footprint.share;
+        bounds.add(box.wake, box.ramp_slope, share);
+        bounds.add(box.noise, box.ramp_slope, share);
+        const Told told = told_of(box, spacing);
+        const TrainSums& tail = box.tail[told.trains];
+        missing.lift += tail.a * gain * box.modulation * share;
+        missing.shift += tail.h * gain * orbit * box.modulation * share;
+        if (told.named) continue;
+        missing.lift += (box.wake.height + box.noise.height) * share;
+        missing.shift += (box.wake.displacement + box.noise.displacement) * share;
     }
     const double slope = bounds.slope / (1.0 - std::min(bounds.steepness, steepness_guard));
     out.left_out = static_cast<float>(missing.lift * float_cover);

@@ -29,12 +29,21 @@ private:
         marks_;  // box, field, block; empty until the field is first needed
 };
 
-/// The patch as the client is told: which trains it needs, E of those left out, and H, the bound of the height error at a
-/// fixed place (model: "The two surfaces"): E + E_h G, where E_h = sum of chi A g is the sideways part of what is
-/// missing (at most E where chi <= 1) and G = sum (k A g + A |grad g|) / (1 - S) bounds the slope of the full
-/// sea, S <= 0.8 being the world's guarantee.
-/// Adds what it refers to; `left_out` counts trains.
+/// Counts of what is weightless everywhere on its patch and so left out of it.
+struct LeftOut {
+    uint32_t trains = 0;
+    uint32_t wakes = 0;
+    uint32_t noises = 0;
+    bool operator==(const LeftOut&) const = default;
+};
+
+/// The patch as the client is told: which boxes and how many of their trains it needs, E of those left out, and H, the
+/// bound of the height error at a fixed place (model: "The two surfaces"): E + E_h G, where E_h = sum of chi A g o is the
+/// sideways part of what is missing (at most E where chi and the orbits are at most 1) and
+/// G = sum (k A g + A |grad g|) / (1 - S) bounds the slope of the full sea, S <= 0.8 being the world's guarantee.
+/// A box with a wake or noise is named, with 0 trains maybe, wherever their longest waves may show; where it is not, both
+/// are missing (noise that is only displayed is no part of the full sea). Adds what it refers to.
 PatchDescriptor describe(const Selection& selection, const SelectedPatch& patch, double spacing,
-                         Referred& referred, uint32_t& left_out);
+                         Referred& referred, LeftOut& left_out);
 
 }  // namespace trochoid

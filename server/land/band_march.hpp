@@ -6,6 +6,7 @@
 #include "server/land/depth_response.hpp"
 #include "server/land/land_area.hpp"
 #include "server/land/land_settings.hpp"
+#include "server/land/node_planes.hpp"
 #include "server/land/wave_bands.hpp"
 
 namespace trochoid {
@@ -24,30 +25,38 @@ struct BandGrid {
     double centre_z = 0.0;
     double dx = 1.0;
     double dz = 0.0;
-    /// First row that land or a shallow changes; all before read shift 0 and shelter 1.
+    /// First row held: of a whole march the last that land or a shallow does not change; all before read shift 0 and shelter 1.
     int32_t first_row = 0;
-    /// From first_row on, row-major: phase shift in turns, and the share of the open sea's height that reaches the
-    /// point before it grows over the bottom: 1 in open water, 0 on land.
-    std::vector<float> shift;
-    std::vector<float> shelter;
+    /// From first_row on, row-major, per point: phase shift in turns, and the share of the open sea's height that reaches the
+    /// point before it grows over the bottom: 1 in open water, 0 on land. Empty: nothing is changed anywhere.
+    std::vector<float> values;
     /// Columns whose slope across had to be cut to what nodes carry (60 turns a node).
     uint64_t cut_slopes = 0;
+    uint64_t rows_marched = 0;
 
-    /// Bilinear at node coordinates; points outside read the nearest.
-    struct Value {
-        double shift;
-        double shelter;
-    };
-    Value at(double x, double z) const;
+    /// Row and column coordinates of a node.
+    double row_of(double x, double z) const {
+        return ((x - centre_x) * dx + (z - centre_z) * dz + centre_row) / row_step;
+    }
+    double column_of(double x, double z) const {
+        return (z - centre_z) * dx - (x - centre_x) * dz + centre_column;
+    }
 };
 
-/// Marches the band over the area. `depths` are node_depths.
-BandGrid march_band(const LandArea& area, std::span<const float> depths, const WaveBand& band,
-                    const DepthResponse& response, const LandSettings& settings);
+/// States of a march every few rows, so that it can be taken up again.
+struct MarchCheckpoint {
+    int32_t row = 0;
+    std::vector<float> state;
+};
+inline constexpr int32_t checkpoint_rows = 64;
 
-/// Depths limited to [shallowest, deep] and averaged over about a quarter wave length (binomial passes at node scale), so that
-/// a noisy shore does not scatter phases between nodes; deep stays exactly deep away from shallows.
-std::vector<float> phase_depths(const LandArea& area, std::span<const float> depths, const WaveBand& band,
-                                const DepthResponse& response);
+/// The grid's frame over the area, or over the box (LandArea::corners) where that is less; nothing marched yet.
+void set_frame(BandGrid& grid, const LandArea& area, const WaveBand& band, const LandSettings& settings);
+
+/// Marches a framed band over the planes. `checkpoints` come from an earlier march and are good up to row `from`: the march goes on
+/// from the last of them; with none it begins where the land does. Adds its own.
+void march_band(BandGrid& grid, const LandArea& area, const NodePlanes& planes, const WaveBand& band,
+                const DepthResponse& response, const LandSettings& settings,
+                std::vector<MarchCheckpoint>& checkpoints);
 
 }  // namespace trochoid

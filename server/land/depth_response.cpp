@@ -20,8 +20,10 @@ double as_float(double depth) { return static_cast<double>(static_cast<float>(de
 DepthResponse::DepthResponse(double turns_per_metre, double open_depth, double height,
                              const LandSettings& settings)
     : shoaling_(settings.shoaling),
-      kd_per_metre_(two_pi_f64 * turns_per_metre),
-      paper_growth_(settings.growth) {
+      // omega^2 / g = k tanh(k D) in the open sea.
+      kd_per_metre_(two_pi_f64 * turns_per_metre * tanh_of(two_pi_f64 * turns_per_metre * open_depth)),
+      paper_growth_(settings.growth),
+      shore_decrease_(settings.shore_decrease) {
     deep_ = as_float(std::min(1.0 / turns_per_metre, open_depth));
     shallowest_ = as_float(std::min(settings.depth_min, deep_));
     wave_number_at_deep_ = wave_number_ratio(kd_per_metre_ * deep_);
@@ -42,10 +44,14 @@ double DepthResponse::wave_number(double depth) const {
 }
 
 double DepthResponse::growth(double depth) const {
-    if (depth >= deep_) return 1.0;
+    if (depth >= deep_ || shoaling_ == Shoaling::none) return 1.0;
     const double kd = kd_per_metre_ * std::max(depth, shallowest_);
     if (shoaling_ == Shoaling::linear) return shoaling_ratio(kd) / growth_at_deep_;
     const double starts = std::min(two_pi_f64 * 0.5, kd_per_metre_ * deep_);
+    if (shoaling_ == Shoaling::decrease) {
+        const double decrease_kd = kd_per_metre_ * std::max(depth, 0.0);
+        return decrease_kd < starts ? 1.0 - shore_decrease_ * (1.0 - decrease_kd / starts) : 1.0;
+    }
     return kd < starts ? 1.0 + paper_growth_ * (1.0 - kd / starts) : 1.0;
 }
 
@@ -53,6 +59,13 @@ double DepthResponse::breaking_gain(double depth) const {
     if (depth <= 0.0) return 0.0;
     if (depth >= untouched_ || breaking_per_metre_ == 0.0) return unlimited_gain;
     return std::min(breaking_per_metre_ * depth, unlimited_gain);
+}
+
+double DepthResponse::share_limit(double depth) const {
+    if (depth <= 0.0) return 0.0;
+    const double most = breaking_gain(depth);
+    const double grown = growth(depth);
+    return most >= grown ? 1.0 : most / grown;
 }
 
 }  // namespace trochoid

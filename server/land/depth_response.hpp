@@ -7,7 +7,7 @@ namespace trochoid {
 /// water at least as deep as `deep` (one wave length, or the open sea's depth where that is less) changes nothing.
 class DepthResponse {
 public:
-    /// turns_per_metre: 1 / wave length in deep water; open_depth: metres; height: the box's significant height in metres.
+    /// turns_per_metre: 1 / wave length in the open sea, open_depth metres deep; height: the box's significant height in metres.
     DepthResponse(double turns_per_metre, double open_depth, double height, const LandSettings& settings);
 
     /// Depth in metres from which on wave number and growth are exactly the open sea's.
@@ -19,10 +19,12 @@ public:
 
     /// k(D) / k of the open sea, >= 1, exactly 1 from `deep` on.
     double wave_number(double depth) const;
-    /// Growth of the amplitude without breaking, exactly 1 from `deep` on.
+    /// Growth of the amplitude without breaking, exactly 1 from `deep` on, never below 0.
     double growth(double depth) const;
     /// Largest gain before the box's waves break, 0 on land; at least 2 where depth does not limit.
     double breaking_gain(double depth) const;
+    /// Largest share of the open sea's height, before growth, that the depth lets pass: 0 on land, at most 1.
+    double share_limit(double depth) const;
 
 private:
     Shoaling shoaling_;
@@ -33,6 +35,7 @@ private:
     double wave_number_at_deep_ = 1.0;
     double growth_at_deep_ = 1.0;
     double paper_growth_;
+    double shore_decrease_;
     double breaking_per_metre_ = 0.0;
 };
 

@@ -73,6 +73,14 @@ double capped(double deep_kd) { return deep_kd < two_pi_f64 ? deep_kd : two_pi_f
 
 }  // namespace
 
+double tanh_of(double x) {
+    if (x >= 20.0) return 1.0;
+    if (x <= 5.0) return tanh_by_fraction(x);
+    // tanh 2y = 2 tanh y / (1 + tanh^2 y)
+    const double half = tanh_of(x * 0.5);
+    return 2.0 * half / (1.0 + half * half);
+}
+
 double wave_number_ratio(double deep_kd) {
     const double kd = capped(deep_kd);
     return lerp(table().root_scaled, place_of(kd)) / std::sqrt(kd);

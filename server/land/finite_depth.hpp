@@ -13,6 +13,9 @@ double wave_number_ratio(double deep_kd);
 /// Linear shoaling sqrt(cg0 / cg(D)), relative error below 5e-6; at least 0.913 (at deep_kd near 1).
 double shoaling_ratio(double deep_kd);
 
+/// tanh x for x >= 0, relative error below 1e-14; 1 from 20 on.
+double tanh_of(double x);
+
 /// 2 pi; where deep_kd reaches it the depth is one wave length.
 inline constexpr double two_pi_f64 = 0x1.921fb54442d18p+2;
 

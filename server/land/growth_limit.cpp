@@ -1,6 +1,7 @@
 #include "server/land/growth_limit.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "protocol/model/arithmetic_rules.hpp"
@@ -9,108 +10,196 @@ namespace trochoid {
 
 namespace {
 
-double squared(double value) { return value * value; }
+/// Every band may at least share in this part of the growth, however deep its water.
+constexpr double least_excess = 0.05;
 
-size_t node(int32_t x, int32_t z) { return static_cast<size_t>(z * block_nodes + x); }
+inline float squared(float value) { return value * value; }
+inline float larger(float a, float b) { return a > b ? a : b; }
 
-/// gain * |k'| / k in a cell of a block, at its steepest: the bilinear shift's slopes lie between those of the cell's edges.
-double cell_growth(const LandBlock& block, int32_t x, int32_t z, const WaveBand& band, double k) {
-    const size_t n00 = node(x, z);
-    const size_t n10 = node(x + 1, z);
-    const size_t n01 = node(x, z + 1);
-    const size_t n11 = node(x + 1, z + 1);
-    const uint16_t gain =
-        std::max(std::max(block.gain[n00], block.gain[n10]), std::max(block.gain[n01], block.gain[n11]));
-    if (gain == 0) return 0.0;
-    const auto slope = [&](size_t from, size_t to) {
-        return static_cast<double>(block.shift[to] - block.shift[from]) * 0x1p-16;
-    };
-    const double kx = k * band.dx;
-    const double kz = k * band.dz;
-    const double x_square = std::max(squared(kx + slope(n00, n10)), squared(kx + slope(n01, n11)));
-    const double z_square = std::max(squared(kz + slope(n00, n01)), squared(kz + slope(n10, n11)));
-    return static_cast<double>(gain) / 32768.0 * (std::sqrt(x_square + z_square) / k);
-}
-
-/// Growth of every cell of the area, row-major.
+/// Squared growth of cells: the bilinear shift's slopes lie between those of the cell's edges.
 class CellGrowth {
 public:
-    CellGrowth(const LandArea& area, std::span<const BandBlocks> bands)
-        : area_(area), columns_(area.blocks_x * block_cells), rows_(area.blocks_z * block_cells) {
-        double open = 0.0;
-        for (const BandBlocks& b : bands) open = open + b.band->steepness;
-        cells_.assign(static_cast<size_t>(columns_) * static_cast<size_t>(rows_), 1.0);
-        for (const BandBlocks& b : bands)
-            if (b.band->steepness > 0.0) add(b, b.band->steepness / open);
-    }
+    CellGrowth(const NodeField& field, const LandArea& area, const WaveBand& band, bool with_orbit)
+        : field_(field),
+          nx_(static_cast<size_t>(area.nodes_x())),
+          kx_(static_cast<float>(band.steep_turns_per_metre * area.step() * band.dx)),
+          kz_(static_cast<float>(band.steep_turns_per_metre * area.step() * band.dz)),
+          per_k_square_(1.0F / squared(static_cast<float>(band.steep_turns_per_metre * area.step()))),
+          with_orbit_(with_orbit) {}
 
-    const std::vector<double>& cells() const { return cells_; }
-
-    /// What a node's gains are to be multiplied by so that no cell around it exceeds the limit.
-    double factor(const BlockKey& key, int32_t x, int32_t z, double limit) const {
-        const int32_t column = (key.x - area_.first.x) * block_cells + x;
-        const int32_t row = (key.z - area_.first.z) * block_cells + z;
-        double worst = limit;
-        for (int32_t r = std::max(row - 1, 0); r <= std::min(row, rows_ - 1); ++r)
-            for (int32_t c = std::max(column - 1, 0); c <= std::min(column, columns_ - 1); ++c)
-                worst = std::max(worst, cells_[index(c, r)]);
-        return limit / worst;
+    /// The cells of a block, row-major; returns their largest.
+    float block(size_t start, std::array<float, block_cells * block_cells>& cells) const {
+        std::array<float, block_cells> upper;
+        std::array<float, block_cells> lower;
+        std::array<float, block_nodes> upper_height;
+        std::array<float, block_nodes> lower_height;
+        std::array<float, block_nodes> down;
+        along_x(start, upper);
+        heights(start, upper_height);
+        std::array<float, block_cells> largest{};
+        for (size_t z = 0; z < block_cells; ++z) {
+            const size_t n = start + z * nx_;
+            along_x(n + nx_, lower);
+            heights(n + nx_, lower_height);
+            const int32_t* const here = field_.shift.data() + n;
+            const int32_t* const below = here + nx_;
+            for (size_t x = 0; x < block_nodes; ++x)
+                down[x] = squared(kz_ + static_cast<float>(below[x] - here[x]) * 0x1p-16F);
+            float* const out = cells.data() + z * block_cells;
+            for (size_t x = 0; x < block_cells; ++x) {
+                const float k_square = larger(upper[x], lower[x]) + larger(down[x], down[x + 1]);
+                const float height = larger(larger(upper_height[x], upper_height[x + 1]),
+                                            larger(lower_height[x], lower_height[x + 1]));
+                out[x] = squared(height) * (k_square * per_k_square_);
+                largest[x] = larger(largest[x], out[x]);
+            }
+            upper = lower;
+            upper_height = lower_height;
+        }
+        return *std::max_element(largest.begin(), largest.end());
     }
 
 private:
-    size_t index(int32_t column, int32_t row) const {
-        return static_cast<size_t>(row) * static_cast<size_t>(columns_) + static_cast<size_t>(column);
+    void along_x(size_t n, std::array<float, block_cells>& out) const {
+        const int32_t* const here = field_.shift.data() + n;
+        for (size_t x = 0; x < block_cells; ++x)
+            out[x] = squared(kx_ + static_cast<float>(here[x + 1] - here[x]) * 0x1p-16F);
+    }
+    void heights(size_t n, std::array<float, block_nodes>& out) const {
+        const uint16_t* const gain = field_.gain.data() + n;
+        for (size_t x = 0; x < block_nodes; ++x)
+            out[x] = static_cast<float>(static_cast<int32_t>(gain[x])) * 0x1p-15F;
+        if (!with_orbit_) return;
+        const uint16_t* const orbit = field_.orbit.data() + n;
+        for (size_t x = 0; x < block_nodes; ++x)
+            out[x] = out[x] * (static_cast<float>(static_cast<int32_t>(orbit[x])) * 0x1p-14F);
     }
 
-    void add(const BandBlocks& b, double share) {
-        const double k = b.band->steep_turns_per_metre * area_.step();
-        for (const auto& block : b.blocks) {
-            const int32_t column = (block->key.x - area_.first.x) * block_cells;
-            const int32_t row = (block->key.z - area_.first.z) * block_cells;
-            for (int32_t z = 0; z < block_cells; ++z)
-                for (int32_t x = 0; x < block_cells; ++x) {
-                    double& cell = cells_[index(column + x, row + z)];
-                    cell = cell + share * (cell_growth(*block, x, z, *b.band, k) - 1.0);
-                }
-        }
-    }
-
-    const LandArea& area_;
-    int32_t columns_;
-    int32_t rows_;
-    std::vector<double> cells_;
+    const NodeField& field_;
+    size_t nx_;
+    float kx_;
+    float kz_;
+    float per_k_square_;
+    bool with_orbit_;
 };
 
-void lower(LandBlock& block, const CellGrowth& growth, double limit) {
-    for (int32_t z = 0; z < block_nodes; ++z) {
-        for (int32_t x = 0; x < block_nodes; ++x) {
-            const size_t n = node(x, z);
-            if (block.gain[n] == unit_node_gain && block.shift[n] == 0) continue;
-            const double factor = growth.factor(block.key, x, z, limit);
-            if (factor < 1.0)
-                block.gain[n] = static_cast<uint16_t>(static_cast<double>(block.gain[n]) * factor);
-        }
-    }
-}
+class Limiter {
+public:
+    Limiter(NodeField& field, const LandArea& area, std::span<const uint8_t> live, const WaveBand& band)
+        : field_(field), area_(area), live_(live), band_(band) {}
 
-double largest(const std::vector<double>& cells) {
-    double most = 1.0;
-    for (const double cell : cells) most = std::max(most, cell);
-    return most;
-}
+    /// Measures all live blocks; returns the largest.
+    float measure(std::vector<float>& blocks, bool with_orbit) {
+        const CellGrowth growth(field_, area_, band_, with_orbit);
+        std::array<float, block_cells * block_cells> cells;
+        float largest = 1.0F;
+        for_live([&](int32_t bx, int32_t bz, size_t at) {
+            blocks[at] = std::max(growth.block(block_start(area_, bx, bz), cells), 1.0F);
+            largest = std::max(largest, blocks[at]);
+        });
+        return largest;
+    }
+
+    /// Lowers gains, or orbits down to 1, at the nodes of cells above the limit.
+    uint64_t lower(const std::vector<float>& blocks, float limit_square, bool orbits) {
+        const size_t columns = static_cast<size_t>(area_.blocks_x) * block_cells;
+        cells_.assign(columns * static_cast<size_t>(area_.blocks_z) * block_cells, 1.0F);
+        const CellGrowth growth(field_, area_, band_, orbits);
+        std::array<float, block_cells * block_cells> cells;
+        uint64_t above = 0;
+        for_live([&](int32_t bx, int32_t bz, size_t at) {
+            if (blocks[at] <= limit_square) return;
+            growth.block(block_start(area_, bx, bz), cells);
+            for (size_t z = 0; z < block_cells; ++z) {
+                float* const to = cells_.data() + (static_cast<size_t>(bz) * block_cells + z) * columns +
+                                  static_cast<size_t>(bx) * block_cells;
+                std::copy_n(cells.begin() + static_cast<std::ptrdiff_t>(z * block_cells), block_cells, to);
+                for (size_t x = 0; x < block_cells; ++x) above += to[x] > limit_square ? 1U : 0U;
+            }
+        });
+        // Every node once, from the cells as they were.
+        done_.assign(static_cast<size_t>(area_.nodes_x()) * static_cast<size_t>(area_.nodes_z()), 0);
+        for_live([&](int32_t bx, int32_t bz, size_t at) {
+            if (blocks[at] <= limit_square) return;
+            for (int32_t z = bz * block_cells; z <= (bz + 1) * block_cells; ++z)
+                for (int32_t x = bx * block_cells; x <= (bx + 1) * block_cells; ++x)
+                    lower_node(x, z, limit_square, orbits);
+        });
+        return above;
+    }
+
+private:
+    template <class Each>
+    void for_live(const Each& each) const {
+        size_t at = 0;
+        for (int32_t bz = 0; bz < area_.blocks_z; ++bz)
+            for (int32_t bx = 0; bx < area_.blocks_x; ++bx, ++at)
+                if (live_[at] != 0) each(bx, bz, at);
+    }
+
+    void lower_node(int32_t x, int32_t z, float limit_square, bool orbits) {
+        const int32_t columns = area_.blocks_x * block_cells;
+        const int32_t rows = area_.blocks_z * block_cells;
+        const size_t n =
+            static_cast<size_t>(z) * static_cast<size_t>(area_.nodes_x()) + static_cast<size_t>(x);
+        if (done_[n] != 0) return;
+        done_[n] = 1;
+        float worst = limit_square;
+        for (int32_t r = std::max(z - 1, 0); r <= std::min(z, rows - 1); ++r)
+            for (int32_t c = std::max(x - 1, 0); c <= std::min(x, columns - 1); ++c)
+                worst = std::max(
+                    worst,
+                    cells_[static_cast<size_t>(r) * static_cast<size_t>(columns) + static_cast<size_t>(c)]);
+        if (worst <= limit_square) return;
+        const bool open = field_.gain[n] == unit_node_gain && field_.shift[n] == 0;
+        if (open && (field_.orbit.empty() || field_.orbit[n] == unit_node_orbit)) return;
+        const float factor = std::sqrt(limit_square / worst);
+        uint16_t& lowered = orbits ? field_.orbit[n] : field_.gain[n];
+        const auto value = static_cast<uint16_t>(static_cast<float>(lowered) * factor);
+        lowered = orbits ? std::max(value, std::min(lowered, unit_node_orbit)) : value;
+    }
+
+    NodeField& field_;
+    const LandArea& area_;
+    std::span<const uint8_t> live_;
+    const WaveBand& band_;
+    std::vector<float> cells_;
+    std::vector<uint8_t> done_;
+};
 
 }  // namespace
 
-GrowthLimit limit_growth(const LandArea& area, std::span<BandBlocks> bands, double growth_max) {
-    GrowthLimit result;
-    const CellGrowth before(area, bands);
-    result.growth = largest(before.cells());
-    if (result.growth <= growth_max) return result;
-    for (const double cell : before.cells())
-        if (cell > growth_max) ++result.limited_cells;
-    for (const BandBlocks& b : bands)
-        for (const auto& block : b.blocks) lower(*block, before, growth_max);
-    result.growth = largest(CellGrowth(area, bands).cells());
+std::vector<double> growth_allowances(std::span<const WaveBand> bands, std::span<const double> unlimited,
+                                      double growth_max) {
+    double weights = 0.0;
+    double excess = 0.0;
+    for (size_t i = 0; i < bands.size(); ++i) {
+        weights = weights + bands[i].steepness;
+        excess = excess + bands[i].steepness * (unlimited[i] - 1.0 + least_excess);
+    }
+    std::vector<double> allowed;
+    for (size_t i = 0; i < bands.size(); ++i)
+        allowed.push_back(excess > 0.0 ? 1.0 + (growth_max - 1.0) * (unlimited[i] - 1.0 + least_excess) *
+                                                   weights / excess
+                                       : growth_max);
+    return allowed;
+}
+
+BandGrowth limit_growth(NodeField& field, const LandArea& area, std::span<const uint8_t> live,
+                        const WaveBand& band, double allowed) {
+    BandGrowth result;
+    result.squared.assign(live.size(), 1.0F);
+    Limiter limiter(field, area, live, band);
+    const auto limit_square = static_cast<float>(allowed * allowed);
+    if (limiter.measure(result.squared, false) > limit_square) {
+        result.limited_cells = limiter.lower(result.squared, limit_square, false);
+        if (field.orbit.empty()) limiter.measure(result.squared, false);
+    }
+    if (field.orbit.empty()) return result;
+    if (limiter.measure(result.squared, true) > limit_square) {
+        result.limited_cells += limiter.lower(result.squared, limit_square, true);
+        limiter.measure(result.squared, true);
+    }
     return result;
 }
 

@@ -1,32 +1,33 @@
 #pragma once
 #include <cstdint>
-#include <memory>
 #include <span>
 #include <vector>
 
-#include "protocol/model/land_field.hpp"
 #include "server/land/land_area.hpp"
+#include "server/land/node_field.hpp"
 #include "server/land/wave_bands.hpp"
 
 namespace trochoid {
 
-/// A band with the blocks that the land gives it.
-struct BandBlocks {
-    const WaveBand* band = nullptr;
-    std::vector<std::shared_ptr<LandBlock>> blocks;
-};
-
-/// Steepness, the sum over the bands of gain * choppiness * A * |k'|, over that of open water.
-struct GrowthLimit {
-    /// Its largest value in any cell after limiting, at least 1.
-    double growth = 1.0;
-    /// Cells in which it was above growth_max.
+/// How much steeper than in open water land makes a band: the largest gain * orbit * |k'| / k of a cell.
+struct BandGrowth {
+    /// Per block of the area, row-major: the largest of its cells, squared; 1 where the field is open water.
+    std::vector<float> squared;
+    /// Cells that were above the limit.
     uint64_t limited_cells = 0;
 };
 
-/// Where shoaling and refraction make the waves steeper than growth_max times open water's, they break: lowers the gains of all
-/// bands alike at the nodes around. Nodes that are open water for a band stay so, since their neighbours may have no
-/// block; `growth` says what is left.
-GrowthLimit limit_growth(const LandArea& area, std::span<BandBlocks> bands, double growth_max);
+/// How much steeper each band may become, so that the box as a whole does not become steeper than growth_max times open water's:
+/// the mean of the bands' allowances, weighted by their sum of A k, is growth_max, and each band's excess is in proportion to
+/// what it would grow without a limit at the depth where the box's waves break. Every band then keeps its own, whatever the others do.
+/// `unlimited`: that growth, at least 1, one a band.
+std::vector<double> growth_allowances(std::span<const WaveBand> bands, std::span<const double> unlimited,
+                                      double growth_max);
+
+/// Where shoaling and refraction make the band's waves steeper than `allowed` times open water's, they break: lowers the gains at the
+/// nodes around; where flatter orbits do, lowers the orbits. Nodes in open water stay so, since their neighbours may have
+/// no block. Looks at the blocks marked in `live` (row-major, one a block); all others count as open water.
+BandGrowth limit_growth(NodeField& field, const LandArea& area, std::span<const uint8_t> live,
+                        const WaveBand& band, double allowed);
 
 }  // namespace trochoid

@@ -1,4 +1,5 @@
 #pragma once
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -22,6 +23,11 @@ struct LandArea {
     double belt_min_z = 0.0;
     double belt_max_x = 0.0;
     double belt_max_z = 0.0;
+    /// Where the box is limited on all sides and stands still: its corners in nodes from node [0][0], x and z in turn. Rays that
+    /// pass it farther off than `corner_margin` nodes need not be marched.
+    bool cornered = false;
+    std::array<double, 8> corners{};
+    static constexpr double corner_margin = 32.0;
     bool operator==(const LandArea&) const = default;
 
     bool empty() const { return blocks_x <= 0 || blocks_z <= 0; }
@@ -34,14 +40,16 @@ struct LandArea {
     double step() const { return static_cast<double>(int64_t{1} << step_log2) / 1024.0; }
 };
 
+/// A box with a course counts as everywhere: it may be steered, and its fields stay in the world frame.
 LandArea land_area(const WaveTrainBox& box, const TerrainGrid& terrain, const LandSettings& settings);
 
 /// Terrain with its belt: everything outside is exactly open_sea_depth deep.
 LatticeRect belt_bounds(const TerrainGrid& terrain);
 
-/// Depth in metres at every node, row-major, positive below sea level. Behind the box's rear side, where its waves have not
-/// begun, it reads `deepest_depth` whatever lies there.
-std::vector<float> node_depths(const LandArea& area, const WaveTrainBox& box, const TerrainGrid& terrain);
+/// Depth in metres at every node, row-major, positive below sea level raised by `run_up` metres. Behind the rear side of a box that
+/// stands still, where its waves have not begun, it reads `deepest_depth` whatever lies there.
+std::vector<float> node_depths(const LandArea& area, const WaveTrainBox& box, const TerrainGrid& terrain,
+                               double run_up);
 
 /// Metres; deeper than any bed (2^24 lattice units).
 inline constexpr float deepest_depth = 32768.0F;

@@ -10,16 +10,20 @@ namespace trochoid {
 uint64_t land_key(const WaveTrainBox& box, uint64_t terrain_hash, const LandSettings& s) {
     Hash64 hash;
     hash.u64(terrain_hash);
-    hash.i64(box.origin.x).i64(box.origin.z).i32(box.ux).i32(box.uz).i64(box.length).i64(box.width);
+    const LatticePoint origin = box.course.empty() ? box.origin : corner_at(box.course, box.begin);
+    hash.u8(box.course.empty() ? 0 : 1);
+    hash.i64(origin.x).i64(origin.z).i32(box.ux).i32(box.uz).i64(box.length).i64(box.width);
     hash.u64(box.trains.size());
-    for (const WaveTrain& train : box.trains)
-        hash.i32(train.kx).i32(train.kz).f32(train.amplitude).f32(train.choppiness);
+    for (const WaveTrain& train : box.trains) hash.i32(train.kx).i32(train.kz).f32(train.amplitude);
     hash.u8(s.step_log2)
         .u8(s.rows_per_node)
         .u8(static_cast<uint8_t>(s.refraction))
-        .u8(static_cast<uint8_t>(s.shoaling));
-    for (const double v : {s.depth_min, s.breaking_ratio, s.recovery, s.spread, s.growth, s.phase_shift_turns,
-                           s.steepness_max, s.turn_limit, s.crest_spread, s.run_out, s.waves_per_node_max})
+        .u8(static_cast<uint8_t>(s.shoaling))
+        .u8(static_cast<uint8_t>(s.diffraction))
+        .u8(s.shallow_orbits ? 1 : 0);
+    for (const double v : {s.depth_min, s.run_up, s.breaking_ratio, s.recovery, s.spread, s.growth,
+                           s.shore_decrease, s.phase_shift_turns, s.steepness_max, s.turn_limit,
+                           s.crest_spread, s.run_out, s.waves_per_node_max})
         hash.f64(v);
     return hash.u32(s.nodes_max).value();
 }

@@ -10,8 +10,9 @@
 
 namespace trochoid {
 
-/// Names all that a trace depends on: the box's geometry, its trains' wave vectors, amplitudes and choppiness, the terrain (its
-/// terrain_hash) and the settings but for the threads. Times, phases and ids do not matter.
+/// Names all that a trace depends on: the box's geometry and where it lies at its beginning, its trains' wave vectors and amplitudes,
+/// the terrain (its terrain_hash) and the settings but for the threads. Times, phases, choppiness and ids do not matter: what the log
+/// carries is enough.
 uint64_t land_key(const WaveTrainBox& box, uint64_t terrain_hash, const LandSettings& settings);
 
 /// Remembers the latest traces of a process, so that a scene that starts again or a box that comes back is not traced anew.

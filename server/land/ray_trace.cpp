@@ -10,6 +10,8 @@ namespace trochoid {
 
 namespace {
 
+constexpr double most_steps = 8192.0;
+
 /// A part of a straight line, lattice units from its zero.
 struct Span {
     double from;
@@ -21,9 +23,9 @@ struct Span {
 struct Axes {
     double x, z, ux, uz;
 
-    explicit Axes(const WaveTrainBox& box)
-        : x(static_cast<double>(box.origin.x)),
-          z(static_cast<double>(box.origin.z)),
+    Axes(const WaveTrainBox& box, LatticePoint origin)
+        : x(static_cast<double>(origin.x)),
+          z(static_cast<double>(origin.z)),
           ux(static_cast<double>(box.ux) * 0x1p-30),
           uz(static_cast<double>(box.uz) * 0x1p-30) {}
 
@@ -80,8 +82,7 @@ public:
         }
         if (land != on_land_) points.push_back({at, land ? ActionKind::blocked : ActionKind::water_again});
         on_land_ = land;
-        const double limit = std::min(response_.breaking_gain(depth) / response_.growth(depth), 1.0);
-        share_ = std::min(std::min(share_ + recovered_per_step_, 1.0), limit);
+        share_ = std::min(std::min(share_ + recovered_per_step_, 1.0), response_.share_limit(depth));
         if (land) recovering_ = true;
         if (recovering_ && share_ >= 1.0) {
             recovering_ = false;
@@ -102,16 +103,16 @@ private:
 }  // namespace
 
 std::vector<WaveRay> wave_rays(const WaveTrainBox& box, const TerrainGrid& terrain, const WaveBand& band,
-                               const LandSettings& settings) {
-    const Axes axes(box);
+                               const LandSettings& settings, RayReuse* reuse) {
+    const Axes axes(box, box.course.empty() ? box.origin : corner_at(box.course, box.begin));
     const LatticeRect belt = belt_bounds(terrain);
-    const double open_depth = to_metres(-int64_t{terrain.open_sea_depth});
+    const double open_depth = to_metres(-int64_t{terrain.open_sea_depth}) + settings.run_up;
     const DepthResponse response(band.turns_per_metre, open_depth, significant_height(box), settings);
     const double felt_depth = std::min(0.5 / band.turns_per_metre, response.deep());
-    const double step = static_cast<double>(int64_t{1} << settings.step_log2) * 0.5;
+    const double half_node = static_cast<double>(int64_t{1} << settings.step_log2) * 0.5;
 
     const Span sides = across(box, belt, axes);
-    const double per_node = (sides.to - sides.from) / (2.0 * step);
+    const double per_node = (sides.to - sides.from) / (2.0 * half_node);
     const int count = per_node < wave_rays_max ? std::max(static_cast<int>(per_node), 1) : wave_rays_max;
     std::vector<WaveRay> rays;
     for (int i = 0; i < count; ++i) {
@@ -122,10 +123,21 @@ std::vector<WaveRay> wave_rays(const WaveTrainBox& box, const TerrainGrid& terra
         if (walked.empty() && box.length == 0) continue;
         const Span shown = box.length != 0 ? whole : walked;
         WaveRay ray{axes.at(shown.from, v), axes.at(shown.to, v), {}};
+        if (reuse != nullptr && rays.size() < reuse->rays.size()) {
+            const WaveRay& old = reuse->rays[rays.size()];
+            if (old.start == ray.start && old.end == ray.end &&
+                within(reuse->changed, axes, v, whole).empty()) {
+                rays.push_back(old);
+                continue;
+            }
+        }
+        if (reuse != nullptr) ++reuse->walked;
+        const double step = std::max(half_node, (walked.to - walked.from) / most_steps);
         RayState state(response, felt_depth, step / 1024.0 / settings.recovery);
         for (double u = walked.from; u <= walked.to; u += step) {
             const LatticePoint at = axes.at(u, v);
-            state.pass(at, to_metres(-int64_t{height_at(terrain, at.x, at.z)}), ray.points);
+            const double depth = to_metres(-int64_t{height_at(terrain, at.x, at.z)}) + settings.run_up;
+            state.pass(at, depth, ray.points);
         }
         rays.push_back(std::move(ray));
     }

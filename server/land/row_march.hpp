@@ -8,33 +8,39 @@
 
 namespace trochoid {
 
-/// The state of one row of a march with a spare column at either end (copies of the outermost).
-using MarchRow = std::vector<double>;
+/// The state of one row of a march with a spare column at either end (copies of the outermost). Every step reaches a fixed number
+/// of columns to either side and treats both sides alike, so that mirrored land gives mirrored bits.
+using MarchRow = std::vector<float>;
 
 /// Phase shift in turns from row to row. Wave numbers are in turns per node, rows per the march step.
 class PhaseMarch {
 public:
-    /// open_wave_number: of the open sea, turns per node; row_step: nodes per row.
-    PhaseMarch(const LandSettings& settings, size_t columns, double open_wave_number, double row_step);
+    /// open_wave_number: of the open sea, turns per node; largest_wave_number: over the shallowest bed; row_step: nodes per row.
+    PhaseMarch(const LandSettings& settings, size_t columns, double open_wave_number,
+               double largest_wave_number, double row_step);
 
     /// One row on, given the wave numbers of the new row (spare columns included).
     void advance(const MarchRow& wave_numbers);
     const MarchRow& shift() const { return shift_; }
     uint64_t cut_slopes() const { return cut_slopes_; }
+    /// Appends the state, takes it back.
+    void save(std::vector<float>& state) const;
+    const float* load(const float* state);
 
 private:
-    void eikonal_step(double step);
+    void eikonal_step(float step);
     void spread_crests();
-    int eikonal_steps_needed() const;
-    void limit_slopes(const MarchRow& largest);
+    void limit_slopes();
 
     Refraction refraction_;
-    double turn_limit_;
-    double phase_shift_turns_;
-    double open_;
-    double row_step_;
+    float turn_limit_;
+    float phase_shift_turns_;
+    float open_;
+    float row_step_;
+    int eikonal_steps_ = 1;
+    int limit_passes_ = 1;
     int spread_passes_ = 0;
-    double spread_weight_ = 0.0;
+    float spread_weight_ = 0.0F;
     MarchRow shift_;
     MarchRow next_;
     MarchRow before_;
@@ -44,22 +50,36 @@ private:
     uint64_t cut_slopes_ = 0;
 };
 
-/// Share of the open sea's height behind land and breakers, over seven directions (LandSettings::spread).
+/// Share of the open sea's height behind land and breakers (LandSettings::diffraction).
 class ShelterMarch {
 public:
-    ShelterMarch(const LandSettings& settings, size_t columns, double node_metres, double row_step);
+    /// wave_number: of the open sea, turns per node.
+    ShelterMarch(const LandSettings& settings, size_t columns, double node_metres, double wave_number,
+                 double row_step);
 
     /// One row on; `limits` is the largest share that the new row's depth allows (0 on land, 1 in open water).
     void advance(const MarchRow& limits);
-    /// Share of the height: root of the directions' mean energy.
+    /// Share of the height.
     const MarchRow& shelter() const { return shelter_; }
+    void save(std::vector<float>& state) const;
+    const float* load(const float* state);
 
 private:
     static constexpr size_t directions = 7;
-    double recovered_per_row_;
-    double leak_;
-    std::array<double, directions> drift_{};
-    std::array<MarchRow, directions> share_;
+    void advance_wedge(const MarchRow& limits);
+    void step_direction(size_t direction, const MarchRow& limits);
+    void advance_parabolic(const MarchRow& limits);
+    void turn_real(float by);
+    void turn_imaginary(float by);
+
+    Diffraction diffraction_;
+    float recovered_per_row_;
+    float leak_;
+    int parabolic_steps_ = 1;
+    float parabolic_turn_ = 0.0F;
+    std::array<float, directions> drift_{};
+    /// none: one share; wedge: one a direction; parabolic: real and imaginary part.
+    std::vector<MarchRow> share_;
     MarchRow next_;
     MarchRow shelter_;
 };

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "protocol/model/arithmetic_rules.hpp"
+#include "server/world/significant_height.hpp"
 
 namespace trochoid {
 
@@ -58,7 +59,7 @@ void take_means(WaveBand& band, const WaveTrainBox& box) {
     double sum_z = 0.0;
     double sum_k = 0.0;
     double sum_weight = 0.0;
-    double sum_orbit = 0.0;
+    double sum_amplitude = 0.0;
     for (const size_t i : band.trains) {
         const WaveTrain& t = box.trains[i];
         const auto a = static_cast<double>(t.amplitude);
@@ -70,16 +71,15 @@ void take_means(WaveBand& band, const WaveTrainBox& box) {
         sum_k = sum_k + weight * k;
         sum_weight = sum_weight + weight;
         band.variance = band.variance + a * a * 0.5;
-        const double orbit = static_cast<double>(t.choppiness) * a;
-        sum_orbit = sum_orbit + orbit;
-        band.steepness = band.steepness + orbit * (k * 0x1p-22);
+        sum_amplitude = sum_amplitude + a;
+        band.steepness = band.steepness + a * (k * 0x1p-22);
     }
     const double norm = std::sqrt(sum_x * sum_x + sum_z * sum_z);
     band.dx = sum_x / norm;
     band.dz = sum_z / norm;
     // Turns per lattice unit Q0.32 to turns per metre.
     band.turns_per_metre = (sum_k / sum_weight) * 0x1p-22;
-    if (sum_orbit > 0.0) band.steep_turns_per_metre = band.steepness / sum_orbit;
+    band.steep_turns_per_metre = sum_amplitude > 0.0 ? band.steepness / sum_amplitude : band.turns_per_metre;
 }
 
 }  // namespace
@@ -101,13 +101,6 @@ std::vector<WaveBand> wave_bands(const WaveTrainBox& box) {
     return bands;
 }
 
-double significant_height(const WaveTrainBox& box) {
-    double variance = 0.0;
-    for (const WaveTrain& t : box.trains) {
-        const auto a = static_cast<double>(t.amplitude);
-        variance = variance + a * a * 0.5;
-    }
-    return 4.0 * std::sqrt(variance);
-}
+double significant_height(const WaveTrainBox& box) { return significant_height(box.trains); }
 
 }  // namespace trochoid

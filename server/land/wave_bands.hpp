@@ -15,8 +15,8 @@ struct WaveBand {
     double turns_per_metre = 0.0;
     /// Sum of A^2 / 2 over the band, m^2.
     double variance = 0.0;
-    /// Sum of choppiness * A * k, turns, and its wave number (mean weighted by choppiness * A), turns per metre: what land makes
-    /// steeper. 0 where no train is choppy.
+    /// Sum of A * k, turns, and its wave number (mean weighted by A), turns per metre: what land makes steeper. Choppiness does
+    /// not enter (LandSettings::steepness_max).
     double steepness = 0.0;
     double steep_turns_per_metre = 0.0;
     /// Indices into the box's trains, ascending.
@@ -28,7 +28,7 @@ struct WaveBand {
 /// Bands come in the order of their first train; every train is in exactly one.
 std::vector<WaveBand> wave_bands(const WaveTrainBox& box);
 
-/// Significant height 4 sqrt(sum A^2 / 2) of all trains of the box, metres.
+/// Significant height of all trains of the box, metres (server/world/significant_height.hpp).
 double significant_height(const WaveTrainBox& box);
 
 }  // namespace trochoid

@@ -69,6 +69,8 @@ public:
 
     /// Terrain that the view calls for, what it needs most first, coarse before fine.
     virtual std::vector<TerrainTileKey> tiles_for(const ViewState& view) = 0;
+    /// Changes whenever the tile does: a client that was sent another revision has it again.
+    virtual uint32_t tile_revision(TerrainTileKey key) const = 0;
     virtual TerrainTile tile(TerrainTileKey key) = 0;
 
     /// Everything but ListBoxes. The callback comes once, maybe much later (land has to be traced), maybe before this

@@ -182,7 +182,9 @@ bool Session::write_answer() {
 
 bool Session::write_terrain(int64_t now_us) {
     if (!has_terrain_ || !state_.has_credit()) return false;
-    if (std::exchange(terrain_news_, false)) terrain_.want(around_.sea.tiles_for(view_));
+    if (std::exchange(terrain_news_, false))
+        terrain_.want(around_.sea.tiles_for(view_),
+                      [this](const TerrainTileKey& key) { return around_.sea.tile_revision(key); });
     const std::optional<TerrainTileKey> key = terrain_.take();
     if (!key) return false;
     TerrainTiles message;

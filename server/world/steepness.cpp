@@ -1,7 +1,9 @@
 #include "server/world/steepness.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <vector>
 
 #include "protocol/model/arithmetic_rules.hpp"
 #include "server/world/dispersion.hpp"
@@ -10,67 +12,176 @@ namespace trochoid {
 
 namespace {
 
-/// A rectangle as centre, unit axes and half extents, metres; an unlimited side has a half extent beyond the world.
+/// A rectangle as unit axes and half extents, metres; an unlimited side has a half extent beyond the world.
 struct Rectangle {
-    double x = 0.0, z = 0.0;
     double ux = 1.0, uz = 0.0;
     double half_u = 0.0, half_v = 0.0;
 };
 
 constexpr double unlimited = 1e9;
+/// Covers all rounding, metres.
+constexpr double margin = 1.0;
+
+struct Vector {
+    double x = 0.0, z = 0.0;
+};
 
 Rectangle rectangle_of(const WaveTrainBox& box) {
     Rectangle r;
     r.ux = static_cast<double>(box.ux) * 0x1p-30;
     r.uz = static_cast<double>(box.uz) * 0x1p-30;
-    const double u = to_metres(box.length) / 2.0;
-    const double v = to_metres(box.width) / 2.0;
-    r.half_u = box.length == 0 ? unlimited : u;
-    r.half_v = box.width == 0 ? unlimited : v;
-    r.x = to_metres(box.origin.x) + u * r.ux - v * r.uz;
-    r.z = to_metres(box.origin.z) + u * r.uz + v * r.ux;
+    r.half_u = box.length == 0 ? unlimited : to_metres(box.length) / 2.0;
+    r.half_v = box.width == 0 ? unlimited : to_metres(box.width) / 2.0;
     return r;
 }
 
-/// Whether the unit axis (ax, az) parts the rectangles by more than the metre that covers all rounding.
-bool parted_along(double ax, double az, const Rectangle& a, const Rectangle& b) {
+Vector centre_of(const WaveTrainBox& box, const Rectangle& r, SeaTime t) {
+    const LatticePoint corner = box.course.empty() ? box.origin : corner_at(box.course, t);
+    const double u = box.length == 0 ? 0.0 : r.half_u;
+    const double v = box.width == 0 ? 0.0 : r.half_v;
+    return {to_metres(corner.x) + u * r.ux - v * r.uz, to_metres(corner.z) + u * r.uz + v * r.ux};
+}
+
+/// Whether the axis (ax, az) parts the rectangles while b's centre goes evenly from a's by `first` to `last`.
+bool parted_along(double ax, double az, const Rectangle& a, const Rectangle& b, Vector first, Vector last) {
     const auto reach = [&](const Rectangle& r) {
         return r.half_u * std::abs(r.ux * ax + r.uz * az) + r.half_v * std::abs(r.ux * az - r.uz * ax);
     };
-    return std::abs((b.x - a.x) * ax + (b.z - a.z) * az) > reach(a) + reach(b) + 1.0;
+    const double apart = reach(a) + reach(b) + margin;
+    const double from = first.x * ax + first.z * az;
+    const double to = last.x * ax + last.z * az;
+    return std::min(from, to) > apart || std::max(from, to) < -apart;
 }
 
-}  // namespace
-
-bool may_overlap(const WaveTrainBox& a, const WaveTrainBox& b) {
-    if (!(a.begin < b.end + b.decay_us && b.begin < a.end + a.decay_us)) return false;
-    const Rectangle ra = rectangle_of(a);
-    const Rectangle rb = rectangle_of(b);
-    for (const Rectangle& r : {ra, rb})
-        if (parted_along(r.ux, r.uz, ra, rb) || parted_along(-r.uz, r.ux, ra, rb)) return false;
-    return true;
+/// A rectangle and one that moves past it evenly, as two convex sets: b's way makes it a hexagon.
+bool meet(const Rectangle& a, const Rectangle& b, Vector first, Vector last) {
+    for (const Rectangle& r : {a, b})
+        if (parted_along(r.ux, r.uz, a, b, first, last) || parted_along(-r.uz, r.ux, a, b, first, last))
+            return false;
+    const Vector way{last.x - first.x, last.z - first.z};
+    const double length = std::sqrt(way.x * way.x + way.z * way.z);
+    return length == 0.0 || !parted_along(-way.z / length, way.x / length, a, b, first, last);
 }
 
-double steepness_of(const WaveTrainBox& box) {
-    double sum = 0.0;
-    for (const WaveTrain& train : box.trains)
-        sum += static_cast<double>(train.choppiness) * wave_number_of({train.kx, train.kz}) *
-               static_cast<double>(train.amplitude);
-    return sum;
+/// Moments within (from, until) at which one of the boxes changes its velocity, with both ends, ascending.
+std::vector<SeaTime> turning_points(const WaveTrainBox& a, const WaveTrainBox& b, SeaTime from,
+                                    SeaTime until) {
+    std::vector<SeaTime> times{from, until};
+    for (const WaveTrainBox* box : {&a, &b})
+        for (const CourseLeg& leg : box->course)
+            for (const SeaTime t : {leg.from, leg.from + leg.duration_us})
+                if (from < t && t < until) times.push_back(t);
+    std::sort(times.begin(), times.end());
+    return times;
 }
 
-void limit_steepness(WaveTrainBox& box, double land_growth, std::span<const SteepBox> others) {
+/// Largest |k'| over |k| of round waves (round_wave.hpp): at the box's sides the phase leans by `share` k across.
+double round_growth(const WaveTrainBox& box, const WaveTrain& train, double wave_number) {
+    if (box.roundness == 0) return 1.0;
+    const double share = static_cast<double>(box.roundness) / static_cast<double>(full_roundness);
+    const double turns = wave_number / (2.0 * pi * static_cast<double>(lattice_per_metre));
+    const double across = (static_cast<double>(train.kz) * static_cast<double>(box.ux) -
+                           static_cast<double>(train.kx) * static_cast<double>(box.uz)) *
+                          0x1p-62 / turns;
+    return std::sqrt(1.0 + share * share + 2.0 * share * std::min(std::abs(across), 1.0));
+}
+
+/// Largest gain times |k| of a wave system of the wake's table, k0 = 1.
+double steepest_node(const std::array<WakeNode, wake_cells + 1>& nodes) {
+    double most = 0.0;
+    for (size_t i = 0; i + 1 < nodes.size(); ++i) {
+        const double gain = std::max(nodes[i].gain, nodes[i + 1].gain) * 0x1p-24;
+        const double slope = (nodes[i + 1].phase - nodes[i].phase) * 0x1p-24 * 2048.0;
+        for (const size_t end : {i, i + 1}) {
+            const double tau = static_cast<double>(end) / 2048.0;
+            const double along = nodes[end].phase * 0x1p-24 - tau * slope;
+            most = std::max(most, gain * std::sqrt(along * along + slope * slope));
+        }
+    }
+    return most;
+}
+
+double steepness_of(const ShipWake& wake) {
+    if (!has_wake(wake)) return 0.0;
+    static const double transverse = steepest_node(wake_table().transverse);
+    static const double diverging = steepest_node(wake_table().diverging);
+    // Nearer than one wavelength to the ship amplitudes rise to 3/2 of those there.
+    constexpr double nearest = 1.5;
+    const double k0 = 2.0 * pi * static_cast<double>(wake.inverse_length) * 0x1p-30;
+    return nearest * static_cast<double>(wake.choppiness) * k0 *
+           (static_cast<double>(wake.transverse) * transverse +
+            static_cast<double>(wake.diverging) * diverging);
+}
+
+/// Steepness that the others leave; of a box and the one that took its place the steeper counts.
+double left_by(const WaveTrainBox& box, BoxId predecessor, std::span<const SteepBox> others) {
+    const auto counts = [&](const SteepBox& other) {
+        return other.box->id != box.id && other.box->id != predecessor && may_overlap(box, *other.box);
+    };
+    const auto steepness = [](const SteepBox& other) { return steepness_of(*other.box) * other.land_growth; };
     double left = steepness_limit;
-    for (const SteepBox& other : others)
-        if (other.box->id != box.id && may_overlap(box, *other.box))
-            left -= steepness_of(*other.box) * other.land_growth;
-    const double allowed = std::max(left, 0.0) * steepness_share;
+    for (const SteepBox& other : others) {
+        if (!counts(other)) continue;
+        left -= steepness(other);
+        if (other.predecessor.value == 0) continue;
+        for (const SteepBox& before : others)
+            if (before.box->id == other.predecessor && counts(before))
+                left += std::min(steepness(before), steepness(other));
+    }
+    return std::max(left, 0.0);
+}
+
+void limit_to(WaveTrainBox& box, double land_growth, double allowed) {
     const double asked = steepness_of(box) * land_growth;
     if (asked <= allowed) return;
     // One part in 10^6 less, so that rounding to float32 cannot lift the sum over the limit.
     const double scale = allowed / asked * 0.999999;
     for (WaveTrain& train : box.trains)
         train.choppiness = static_cast<float>(static_cast<double>(train.choppiness) * scale);
+    box.wake.choppiness = static_cast<float>(static_cast<double>(box.wake.choppiness) * scale);
+}
+
+}  // namespace
+
+bool steerable(const WaveTrainBox& box) { return !box.course.empty() && !has_wake(box.wake); }
+
+bool may_overlap(const WaveTrainBox& a, const WaveTrainBox& b) {
+    const SeaTime from = std::max(a.begin, b.begin);
+    const SeaTime until = std::min(a.end + a.decay_us, b.end + b.decay_us);
+    if (!(from < until)) return false;
+    if (steerable(a) || steerable(b)) return true;
+    const Rectangle ra = rectangle_of(a);
+    const Rectangle rb = rectangle_of(b);
+    const auto apart = [&](SeaTime t) {
+        const Vector ca = centre_of(a, ra, t);
+        const Vector cb = centre_of(b, rb, t);
+        return Vector{cb.x - ca.x, cb.z - ca.z};
+    };
+    const std::vector<SeaTime> times = turning_points(a, b, from, until);
+    // The last microsecond before a turn: the next leg may begin elsewhere.
+    for (size_t i = 0; i + 1 < times.size(); ++i)
+        if (times[i] < times[i + 1] && meet(ra, rb, apart(times[i]), apart(times[i + 1] - 1))) return true;
+    return false;
+}
+
+double steepness_of(const WaveTrainBox& box) {
+    double sum = 0.0;
+    for (const WaveTrain& train : box.trains) {
+        const double k = wave_number_of({train.kx, train.kz});
+        sum += static_cast<double>(train.choppiness) * k * round_growth(box, train, k) *
+               static_cast<double>(train.amplitude);
+    }
+    sum += steepness_of(box.wake);
+    return sum * (1.0 + static_cast<double>(box.irregular.share) / static_cast<double>(full_irregularity));
+}
+
+void limit_steepness(WaveTrainBox& box, double land_growth, std::span<const SteepBox> others) {
+    limit_to(box, land_growth, left_by(box, {}, others) * steepness_share);
+}
+
+void limit_successor(WaveTrainBox& box, BoxId predecessor, double land_growth,
+                     std::span<const SteepBox> others) {
+    limit_to(box, land_growth, left_by(box, predecessor, others));
 }
 
 }  // namespace trochoid

@@ -12,22 +12,34 @@ inline constexpr double steepness_share = 0.6;
 /// Growth of |k'| g by land that is counted with before a box is traced: shoaling raises heights by up to a half.
 inline constexpr double expected_land_growth = 1.5;
 
-/// Whether the two boxes' rectangles touch in space (unlimited sides reach everywhere) and their spans [begin, end +
-/// decay) in time. Never false for boxes that act on one point at one time.
+/// Whether a box is a wind whose course may be changed at any time: where it will be, nobody knows.
+bool steerable(const WaveTrainBox& box);
+
+/// Whether the two boxes' rectangles ever touch at one time within both spans [begin, end + decay). Unlimited sides reach everywhere
+/// and so, as it may be steered there, does a steerable wind; a ship is where its course takes it. Never false for boxes that
+/// act on one point at one time.
 bool may_overlap(const WaveTrainBox& a, const WaveTrainBox& b);
 
-/// Σ χ k A over the trains, open water, fully grown.
+/// Σ χ |k'| A (1 + a/A) over trains and wake, open water, fully grown: round waves lengthen k by up to 1.41 where they
+/// travel along u, irregular heights raise A by their share a/A. Noise moves water up and down only.
 double steepness_of(const WaveTrainBox& box);
 
-/// A box with the factor by which land can make it steeper (1 on open water).
+/// A box with the factor by which land can make it steeper (1 on open water; gain, shorter waves and longer orbits together).
 struct SteepBox {
     const WaveTrainBox* box = nullptr;
     double land_growth = 1.0;
+    /// The box whose place this one took when the land changed; while they cross-fade only the steeper of them counts.
+    BoxId predecessor{};
 };
 
-/// Scales the choppiness of all trains of `box` alike, never an amplitude, so that its steepness times `land_growth` takes
-/// at most steepness_share of what the overlapping ones of `others` leave of steepness_limit. A choppiness is never
+/// Scales the choppiness of all trains of `box` and of its wake alike, never an amplitude, so that its steepness times `land_growth`
+/// takes at most steepness_share of what the overlapping ones of `others` leave of steepness_limit. A choppiness is never
 /// raised. With it the sum over any set of boxes that share a point stays within the limit, in whatever order they came.
 void limit_steepness(WaveTrainBox& box, double land_growth, std::span<const SteepBox> others);
+
+/// The same for a box that takes the place of `predecessor`, one of `others`: it may take all that the rest leaves, so that it
+/// keeps its choppiness unless the new land is steeper than there is room for.
+void limit_successor(WaveTrainBox& box, BoxId predecessor, double land_growth,
+                     std::span<const SteepBox> others);
 
 }  // namespace trochoid

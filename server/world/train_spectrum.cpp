@@ -1,34 +1,27 @@
 #include "server/world/train_spectrum.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <numeric>
 
 #include "protocol/model/arithmetic_rules.hpp"
 #include "protocol/units/assert.hpp"
 #include "protocol/units/hash.hpp"
+#include "server/world/direction_spread.hpp"
 #include "server/world/dispersion.hpp"
 #include "server/world/integer_math.hpp"
+#include "server/world/spectrum.hpp"
 
 namespace trochoid {
 
 namespace {
 
-/// What a train draws from its seed; every (stream, index) is its own number.
-enum class Stream : uint64_t { frequency = 1, direction = 2, shuffle = 3, phase = 4 };
-
-uint64_t draw(uint64_t seed, Stream stream, size_t index) {
-    return splitmix64(splitmix64(seed ^ (static_cast<uint64_t>(stream) << 56)) + index);
-}
-
 /// In [-0.5, 0.5), a multiple of 2^-53.
 double centred(uint64_t bits) { return static_cast<double>(bits >> 11) * 0x1p-53 - 0.5; }
 
-/// Middle of stratum `index` of `count`, moved by up to a quarter of its width.
-double stratified(uint64_t seed, Stream stream, size_t index, size_t count) {
-    const double offset = 0.5 + 0.5 * centred(draw(seed, stream, index));
-    return (static_cast<double>(index) + offset) / static_cast<double>(count);
+/// A place in stratum `index` of `count`: its middle, moved by up to `reach` halves of its width.
+double stratified(uint64_t bits, size_t index, size_t count, double reach) {
+    return (static_cast<double>(index) + 0.5 + reach * centred(bits)) / static_cast<double>(count);
 }
 
 std::vector<size_t> shuffled(uint64_t seed, size_t count) {
@@ -39,85 +32,98 @@ std::vector<size_t> shuffled(uint64_t seed, size_t count) {
     return order;
 }
 
-constexpr size_t spread_cells = 256;
-
-/// F at t = -1, …, 1 (spread_quantile).
-const std::array<double, spread_cells + 1>& spread_table() {
-    static const auto table = [] {
-        std::array<double, spread_cells + 1> values{};
-        for (size_t i = 0; i <= spread_cells; ++i) {
-            const double t = static_cast<double>(i) * (2.0 / spread_cells) - 1.0;
-            values[i] = 0.5 * (1.0 + t) + sine_of_half_turns(t) / (2.0 * pi);
-        }
-        return values;
-    }();
-    return table;
-}
-
 int64_t square_of(const WaveTrain& train) {
     return int64_t{train.kx} * train.kx + int64_t{train.kz} * train.kz;
 }
 
+/// Turns the wind's frequencies and directions into trains.
+class TrainDrawing {
+public:
+    explicit TrainDrawing(const StartWind& wind)
+        : wind_(wind),
+          spectrum_(wind_spectrum(static_cast<double>(wind.speed), wind.fetch, wind.spectrum)),
+          u10_(wind_at_height(static_cast<double>(wind.speed), 10.0)),
+          depth_(reference_depth_of(wind)),
+          amplitude_(std::sqrt(2.0 * spectrum_.m0() / static_cast<double>(wind.trains))) {}
+
+    std::vector<WaveTrain> draw_all() {
+        if (wind_.trains == 1)
+            add(spectrum_.peak_omega(), 0.0);
+        else if (wind_.directions == 0)
+            draw_single_directions();
+        else
+            draw_partition();
+        // The strata rise in frequency already; quantisation may swap neighbours.
+        std::stable_sort(trains_.begin(), trains_.end(),
+                         [](const WaveTrain& a, const WaveTrain& b) { return square_of(a) < square_of(b); });
+        return std::move(trains_);
+    }
+
+private:
+    double omega(size_t index, size_t count) const {
+        return spectrum_.quantile(stratified(draw(wind_.seed, Stream::frequency, index), index, count, 0.5));
+    }
+
+    DirectionSpread spread(double at) const { return {wind_.spreading, at, spectrum_.peak_omega(), u10_}; }
+
+    void draw_single_directions() {
+        const size_t count = wind_.trains;
+        const std::vector<size_t> order = shuffled(wind_.seed, count);
+        for (size_t i = 0; i < count; ++i) {
+            const double at = omega(i, count);
+            const uint64_t bits = draw(wind_.seed, Stream::direction, order[i]);
+            add(at, spread(at).quantile(stratified(bits, order[i], count, 0.5)));
+        }
+    }
+
+    void draw_partition() {
+        const size_t n = wind_.directions;
+        const size_t m = wind_.trains / n;
+        for (size_t i = 0; i < m; ++i) {
+            const double at = omega(i, m);
+            const DirectionSpread directions = spread(at);
+            for (size_t j = 0; j < n; ++j) {
+                const uint64_t bits = draw(wind_.seed, Stream::direction, i * n + j);
+                add(at, directions.quantile(stratified(bits, j, n, 1.0)));
+            }
+        }
+    }
+
+    void add(double at, double deviation) {
+        const double heading = static_cast<double>(wind_.towards_degrees) + deviation;
+        const QuantisedVector k = quantise(wave_number_at(at, depth_), heading_vector(heading));
+        const uint64_t phase = draw(wind_.seed, Stream::phase, trains_.size());
+        trains_.push_back({k.kx,
+                           k.kz,
+                           quantised_omega(k, depth_),
+                           static_cast<uint32_t>(phase >> 32),
+                           static_cast<float>(amplitude_),
+                           1.0F,
+                           {}});
+    }
+
+    const StartWind& wind_;
+    FrequencySpectrum spectrum_;
+    double u10_;
+    double depth_;
+    double amplitude_;
+    std::vector<WaveTrain> trains_;
+};
+
 }  // namespace
 
-double energy_quantile(double peak_omega, double quantile) {
-    TROCHOID_ASSERT(quantile > 0.0 && quantile < 1.0, "quantile {}", quantile);
-    return peak_omega * std::sqrt(std::sqrt(1.25 / -natural_log(quantile)));
+uint64_t draw(uint64_t seed, Stream stream, uint64_t index) {
+    return splitmix64(splitmix64(seed ^ (static_cast<uint64_t>(stream) << 56)) + index);
 }
 
-double spread_half_width(double omega, double peak_omega) {
-    const double above = std::clamp(omega / peak_omega - 1.0, 0.0, 1.0);
-    return 40.0 + 20.0 * above;
+double reference_depth_of(const StartWind& wind) {
+    return wind.reference_depth == 0.0F ? deep_water : static_cast<double>(wind.reference_depth);
 }
 
-double spread_quantile(double quantile) {
-    TROCHOID_ASSERT(quantile >= 0.0 && quantile <= 1.0, "quantile {}", quantile);
-    const auto& table = spread_table();
-    const auto above = std::upper_bound(table.begin() + 1, table.end() - 1, quantile);
-    const auto cell = static_cast<size_t>(above - table.begin()) - 1;
-    // The density vanishes at both ends, where rounding may leave a cell without width.
-    const double height = table[cell + 1] - table[cell];
-    const double part = height > 0.0 ? std::clamp((quantile - table[cell]) / height, 0.0, 1.0) : 0.5;
-    return (static_cast<double>(cell) + part) * (2.0 / spread_cells) - 1.0;
-}
-
-std::vector<WaveTrain> wind_trains(const WindSea& sea, double towards_degrees, uint16_t count,
-                                   uint64_t seed) {
-    TROCHOID_ASSERT(count >= 1, "a wind without trains");
-    const double n = count;
-    const double amplitude =
-        count == 1 ? sea.significant_height / 2.0 : sea.significant_height / std::sqrt(8.0 * n);
-    const std::vector<size_t> order = shuffled(seed, count);
-    std::vector<WaveTrain> trains(count);
-    for (size_t i = 0; i < count; ++i) {
-        const double omega =
-            count == 1 ? sea.peak_omega
-                       : energy_quantile(sea.peak_omega, stratified(seed, Stream::frequency, i, count));
-        const double deviation =
-            count == 1 ? 0.0 : spread_quantile(stratified(seed, Stream::direction, order[i], count));
-        const double heading = towards_degrees + deviation * spread_half_width(omega, sea.peak_omega);
-        const QuantisedVector k = quantise(deep_wave_number(omega), heading_vector(heading));
-        trains[i] = {k.kx,
-                     k.kz,
-                     quantised_omega(k),
-                     static_cast<uint32_t>(draw(seed, Stream::phase, i) >> 32),
-                     static_cast<float>(amplitude),
-                     1.0F,
-                     {}};
-    }
-    // The strata rise in frequency already; quantisation may swap neighbours.
-    std::stable_sort(trains.begin(), trains.end(),
-                     [](const WaveTrain& a, const WaveTrain& b) { return square_of(a) < square_of(b); });
-    return trains;
-}
-
-double significant_height(const std::vector<WaveTrain>& trains) {
-    double sum = 0.0;
-    for (const WaveTrain& train : trains) {
-        const double a = static_cast<double>(train.amplitude);
-        sum += a * a / 2.0;
-    }
-    return trains.size() == 1 ? 2.0 * static_cast<double>(trains[0].amplitude) : 4.0 * std::sqrt(sum);
+std::vector<WaveTrain> wind_trains(const StartWind& wind) {
+    TROCHOID_ASSERT(wind.trains >= 1 && (wind.directions == 0 || wind.trains % wind.directions == 0),
+                    "{} trains of {} directions", wind.trains, wind.directions);
+    return TrainDrawing(wind).draw_all();
 }
 
 }  // namespace trochoid

@@ -20,10 +20,13 @@ Result<Done> validate(const StartWind& wind);
 /// The box that a wind creates, builds up, sustains and ends (rows A2, A4); the wind must be valid, its seed chosen.
 ///
 /// - u is the heading, the origin the middle of the rear edge, corner = origin - v·width/2.
+/// - Trains: wind_trains. "Dominant" below is the peak of the wind's spectrum, at its reference depth.
 /// - Ramps: 4 dominant wavelengths, at most 15 % of the side they stand on, at least 1 m.
-/// - The leading edge runs ahead at the dominant group speed g/(2ωp); behind it heights grow over the time in which the
+/// - The leading edge runs ahead at the dominant group speed; behind it heights grow over the time in which the
 ///   waves cross the fetch, at most 100 dominant periods: the crossing itself is what takes long.
 /// - Full until begin + life (for ever where life is 0), then all heights fall over the same span, at least 10 s.
+/// - A moving wind's course is even_course over life and decay: after 4.4 years, or at the world's edge, it lies still.
+/// - Roundness as asked; irregular heights and capillary noise by box_effects.hpp.
 /// - The choppiness is 1 everywhere: limit_steepness comes after.
 WaveTrainBox box_of(const StartWind& wind, SeaTime begin, NewIds ids);
 

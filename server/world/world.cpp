@@ -4,107 +4,48 @@
 
 #include <algorithm>
 #include <utility>
-#include <variant>
 
 #include "protocol/units/assert.hpp"
 #include "protocol/units/hash.hpp"
 #include "server/event/event_log.hpp"
 #include "server/event/wind_limits.hpp"
+#include "server/world/box_steering.hpp"
+#include "server/world/ship_box.hpp"
 #include "server/world/steepness.hpp"
-#include "server/world/wind_box.hpp"
+#include "server/world/terrain_edit.hpp"
+#include "server/world/world_fold.hpp"
 
 namespace trochoid {
 
 namespace {
 
-using Boxes = std::map<BoxId, std::shared_ptr<const WorldBox>>;
-
-/// The box that fell still first, or end() where none has by `now`.
-Boxes::const_iterator first_still(const Boxes& boxes, SeaTime now) {
-    const auto stillness = [](const auto& entry) {
-        return entry.second->sea->record.end + entry.second->sea->record.decay_us;
-    };
-    const auto first = std::min_element(boxes.begin(), boxes.end(), [&](const auto& a, const auto& b) {
-        return stillness(a) < stillness(b);
-    });
-    return first != boxes.end() && stillness(*first) <= now ? first : boxes.end();
-}
-
 std::vector<SteepBox> steep_boxes(const WorldState& state) {
     std::vector<SteepBox> list;
     list.reserve(state.boxes.size());
-    for (const auto& [id, box] : state.boxes) list.push_back({&box->sea->record, box->land_growth});
+    for (const auto& [id, box] : state.boxes)
+        list.push_back({&box->sea->record, box->land_growth, box->predecessor});
     return list;
 }
 
-double growth_of(const TracedLand& land) {
-    return std::max(static_cast<double>(land.gain_max) / 32768.0, static_cast<double>(land.steepness_growth));
+/// The same waves with the same growth behind them, from `effective` on (or from their beginning), before their land is known.
+WaveTrainBox successor_of(const WaveTrainBox& old, NewIds ids, SeaTime effective) {
+    WaveTrainBox box = old;
+    box.id = ids.box;
+    box.first_train = ids.first_train;
+    box.begin = std::max(effective, old.begin);
+    box.raised_us = old.raised_us + (box.begin - old.begin);
+    box.fade_us = effective > old.begin ? land_fade_us : 0;
+    box.gain_max = unit_node_gain;
+    box.overlays.clear();
+    for (WaveTrain& train : box.trains) train.field = {};
+    return box;
 }
 
-Sea sea_of(const Boxes& boxes) {
-    std::vector<std::shared_ptr<const PreparedBox>> list;
-    list.reserve(boxes.size());
-    for (const auto& [id, box] : boxes) list.push_back(box->sea);
-    return Sea(std::move(list));
-}
-
-/// The record as the log has it, with what its land was traced to.
-WaveTrainBox join(const WaveTrainBox& planned, const TracedLand& land, uint32_t next_field) {
-    WaveTrainBox record = planned;
-    record.gain_max = land.gain_max;
-    TROCHOID_ASSERT(land.field_of_train.empty() || land.field_of_train.size() == record.trains.size(),
-                    "box {}: {} trains, but fields for {}", record.id.value, record.trains.size(),
-                    land.field_of_train.size());
-    for (size_t i = 0; i < land.field_of_train.size(); ++i) record.trains[i].field = land.field_of_train[i];
-    for (size_t i = 0; i < land.fields.size(); ++i)
-        TROCHOID_ASSERT(land.fields[i]->id().value == next_field + i,
-                        "box {}: field {} comes where {} is next", record.id.value,
-                        land.fields[i]->id().value, next_field + i);
-    return record;
-}
-
-void fold(WorldState& state, const BoxStarted& event, TracedLand land) {
-    TROCHOID_ASSERT(event.box.id.value == state.next_box && event.box.first_train.value == state.next_train,
-                    "box {} with train {} comes where {} and {} are next", event.box.id.value,
-                    event.box.first_train.value, state.next_box, state.next_train);
-    if (state.boxes.size() >= most_boxes) {
-        const auto still = first_still(state.boxes, event.box.begin);
-        TROCHOID_ASSERT(still != state.boxes.end(), "box {} comes to a full world", event.box.id.value);
-        state.boxes.erase(still);
-    }
-    auto box = std::make_shared<WorldBox>();
-    box->sea = prepare(join(event.box, land, state.next_field), land.fields);
-    box->name = event.name;
-    box->wind = event.wind;
-    box->rays = std::move(land.rays);
-    box->land_growth = growth_of(land);
-    state.next_box += 1;
-    state.next_train += static_cast<uint32_t>(event.box.trains.size());
-    state.next_field += static_cast<uint32_t>(land.fields.size());
-    state.boxes.emplace(event.box.id, std::move(box));
-    state.sea = sea_of(state.boxes);
-}
-
-void fold(WorldState& state, const BoxEnding& event, const TracedLand&) {
-    const auto place = state.boxes.find(event.box);
-    TROCHOID_ASSERT(place != state.boxes.end(), "unknown box {} ends", event.box.value);
-    WaveTrainBox record = place->second->sea->record;
-    TROCHOID_ASSERT(event.end < record.end && event.end >= record.begin,
-                    "box {} of [{}, {}) us ends at {} us", event.box.value, record.begin.us, record.end.us,
-                    event.end.us);
-    record.end = event.end;
-    // A wind that is stopped before it blows leaves nothing to decay: growth would outrun the decay at first.
-    if (record.end == record.begin) record.decay_us = 0;
-    auto box = std::make_shared<WorldBox>(*place->second);
-    box->sea = prepare(std::move(record), place->second->sea->fields);
-    place->second = std::move(box);
-    state.sea = sea_of(state.boxes);
-}
-
-void fold(WorldState& state, const ClockChanged& event, const TracedLand&) {
-    TROCHOID_ASSERT(event.clock.epoch == state.clock.epoch + 1, "clock epoch {} follows {}",
-                    event.clock.epoch, state.clock.epoch);
-    state.clock = event.clock;
+/// Who took the box's place when the land changed; none (0).
+BoxId successor_in(const WorldState& state, BoxId box) {
+    for (const auto& [id, other] : state.boxes)
+        if (other->predecessor == box) return id;
+    return {};
 }
 
 }  // namespace
@@ -118,20 +59,24 @@ World::World(std::string name, std::shared_ptr<const TerrainGrid> terrain, SeaCl
     state_ = std::move(state);
 }
 
-Result<Done> World::has_room(SeaTime begin) const {
-    if (state_->boxes.size() < most_boxes || first_still(state_->boxes, begin) != state_->boxes.end())
-        return Done{};
+Result<Done> World::has_room(SeaTime begin, size_t boxes) const {
+    const size_t free = most_boxes - std::min<size_t>(state_->boxes.size(), most_boxes);
+    size_t still = 0;
+    for (const auto& [id, box] : state_->boxes)
+        if (box->sea->record.end + box->sea->record.decay_us <= begin) ++still;
+    if (boxes <= free + still) return Done{};
     return Error{
         ErrorCode::too_many_boxes,
-        fmt::format("the world has {} boxes and none has fallen still: stop a wind and wait for its decay",
-                    most_boxes)};
+        fmt::format(
+            "the world has {} boxes and {} have fallen still, too few: stop a wind and wait for its decay",
+            state_->boxes.size(), still)};
 }
 
 BoxStarted World::admit(WaveTrainBox box, std::string name, StartWind wind) const {
     limit_steepness(box, state_->terrain ? expected_land_growth : 1.0, steep_boxes(*state_));
     const auto ok = validate(box);
     TROCHOID_ASSERT(ok.has_value(), "planned box {}: {}", box.id.value, ok.error().message);
-    if (name.empty()) name = fmt::format("wind {}", box.id.value);
+    if (name.empty()) name = fmt::format("{} {}", has_wake(box.wake) ? "ship" : "wind", box.id.value);
     return {std::move(box), std::move(name), std::move(wind)};
 }
 
@@ -141,33 +86,91 @@ Result<BoxStarted> World::plan(const StartWind& asked, SeaTime begin, std::strin
     StartWind wind = asked;
     if (wind.seed == 0)
         wind.seed = splitmix64(splitmix64(static_cast<uint64_t>(begin.us)) + state_->next_box) | 1U;
-    return admit(box_of(wind, begin, {{state_->next_box}, {state_->next_train}}), std::move(name), wind);
+    return admit(box_of(wind, begin, new_ids()), std::move(name), wind);
+}
+
+Result<BoxStarted> World::plan(const SceneWind& scene) const {
+    if (scene.legs.empty()) return plan(scene.wind, scene.begin, scene.name);
+    if (auto ok = validate(scene.wind); !ok) return ok.error();
+    if (auto ok = has_room(scene.begin); !ok) return ok.error();
+    WaveTrainBox box = box_of(scene.wind, scene.begin, new_ids());
+    auto course = course_of(box, scene.legs, box.end + box.decay_us);
+    if (!course) return course.error();
+    box.course = std::move(course).value();
+    return admit(std::move(box), scene.name, scene.wind);
 }
 
 Result<BoxStarted> World::plan(const SceneBox& scene) const {
     if (auto ok = has_room(scene.begin); !ok) return ok.error();
-    auto box = box_of(scene, {{state_->next_box}, {state_->next_train}});
+    auto box = box_of(scene, new_ids());
     if (!box) return box.error();
-    return admit(std::move(box).value(), scene.name, equivalent_wind(scene));
+    StartWind wind = equivalent_wind(scene);
+    wind.trains = 0;  // no wind drew them
+    return admit(std::move(box).value(), scene.name, wind);
+}
+
+Result<BoxStarted> World::plan(const StartShip& ship, SeaTime begin) const {
+    if (auto ok = validate(ship); !ok) return ok.error();
+    if (auto ok = has_room(begin); !ok) return ok.error();
+    auto box = box_of(ship, begin, new_ids());
+    if (!box) return box.error();
+    return admit(std::move(box).value(), ship.name, logged_wind(ship));
 }
 
 BoxStarted World::fit_to_land(BoxStarted planned, const TracedLand& land) const {
     if (!state_->terrain) return planned;
-    limit_steepness(planned.box, std::max(growth_of(land), expected_land_growth), steep_boxes(*state_));
+    limit_steepness(planned.box, std::max(growth_of(planned.box, land), expected_land_growth),
+                    steep_boxes(*state_));
     return planned;
 }
 
-Result<BoxEnding> World::plan(const StopWind& stop, SeaTime effective) const {
-    const auto found = state_->boxes.find(stop.box);
+/// The box, unless its decay has begun by then.
+Result<std::shared_ptr<const WorldBox>> World::going_on(BoxId box, SeaTime effective) const {
+    const auto found = state_->boxes.find(box);
     if (found == state_->boxes.end())
-        return Error{ErrorCode::unknown_box,
-                     fmt::format("there is no box {}: ask for the list", stop.box.value)};
+        return Error{ErrorCode::unknown_box, fmt::format("there is no box {}: ask for the list", box.value)};
+    if (const BoxId successor = successor_in(*state_, box); successor.value != 0)
+        return Error{ErrorCode::already_ending,
+                     fmt::format("box {} goes on as box {} since the land changed: name that one", box.value,
+                                 successor.value)};
     const WaveTrainBox& record = found->second->sea->record;
-    const SeaTime end = std::max(effective, record.begin);
-    if (end >= record.end)
-        return Error{ErrorCode::already_ending, fmt::format("box {} decays from {} us on: it needs no stop",
-                                                            stop.box.value, record.end.us)};
-    return BoxEnding{stop.box, end};
+    if (std::max(effective, record.begin) < record.end) return found->second;
+    return Error{ErrorCode::already_ending,
+                 fmt::format("box {} decays from {} us on: it needs no stop and takes no course", box.value,
+                             record.end.us)};
+}
+
+Result<BoxEnding> World::plan(const StopWind& stop, SeaTime effective) const {
+    const auto box = going_on(stop.box, effective);
+    if (!box) return box.error();
+    return BoxEnding{stop.box, std::max(effective, (*box)->sea->record.begin)};
+}
+
+Result<Steering> World::plan(const Steer& steer, SeaTime effective) const {
+    const auto box = going_on(steer.box, effective);
+    if (!box) return box.error();
+    const WaveTrainBox& record = (*box)->sea->record;
+    const SeaTime start = std::max(effective, record.begin);
+    if (has_wake(record.wake)) return steer_ship(**box, steer, start);
+    const auto leg =
+        next_leg(record, start, static_cast<double>(steer.towards_degrees), static_cast<double>(steer.speed));
+    if (!leg) return leg.error();
+    return Steering{{BoxSteered{steer.box, *leg}}, start, steer.box};
+}
+
+Result<Steering> World::steer_ship(const WorldBox& ship, const Steer& steer, SeaTime effective) const {
+    Steering steering{{BoxEnding{steer.box, effective}}, effective, steer.box};
+    if (steer.speed == 0.0F) return steering;
+    StartShip next = logged_ship(ship.wind);
+    next.at = ship_place(ship.sea->record, effective);
+    next.towards_degrees = steer.towards_degrees;
+    next.speed = steer.speed;
+    next.name = ship.name;
+    auto started = plan(next, effective);
+    if (!started) return started.error();
+    steering.box = started->box.id;
+    steering.events.emplace_back(std::move(started).value());
+    return steering;
 }
 
 Result<ClockChanged> World::plan(const SetRate& rate, int64_t monotonic_us) const {
@@ -179,10 +182,68 @@ Result<ClockChanged> World::plan(const SetRate& rate, int64_t monotonic_us) cons
     return ClockChanged{{old.epoch + 1, sea_time_at(old, monotonic_us), monotonic_us, rate.rate_q16}};
 }
 
+SeaTime World::land_settled() const {
+    SeaTime settled{-sea_time_bound};
+    for (const auto& [id, box] : state_->boxes)
+        if (box->predecessor.value != 0)
+            settled = std::max(settled, box->sea->record.begin + box->sea->record.fade_us);
+    return settled;
+}
+
+std::vector<BoxId> World::on_land_at(SeaTime effective) const { return boxes_on_land(*state_, effective); }
+
+std::vector<BoxId> boxes_on_land(const WorldState& state, SeaTime effective) {
+    std::vector<BoxId> list;
+    for (const auto& [id, box] : state.boxes) {
+        const WaveTrainBox& record = box->sea->record;
+        if (!record.trains.empty() && std::max(effective, record.begin) + land_fade_us < record.end)
+            list.push_back(id);
+    }
+    return list;
+}
+
+Result<LandChanged> World::plan(const ChangeLand& change, SeaTime effective,
+                                std::span<const Retraced> touched) const {
+    if (auto ok = validate(change); !ok) return ok.error();
+    if (!state_->terrain)
+        return Error{ErrorCode::no_terrain,
+                     "this world is open sea without a terrain: open a scene that has one to change it"};
+    TROCHOID_ASSERT(effective >= land_settled(), "the land changes at {} us, before it has settled",
+                    effective.us);
+    if (auto ok = has_room(effective, touched.size()); !ok) return ok.error();
+    // All of them are steeper over their new land, if any is.
+    std::vector<SteepBox> others = steep_boxes(*state_);
+    for (SteepBox& other : others)
+        for (const Retraced& next : touched)
+            if (next.box == other.box->id)
+                other.land_growth = std::max(other.land_growth, growth_of(*other.box, next.land));
+    LandChanged event{change, {}};
+    NewIds ids = new_ids();
+    for (const Retraced& next : touched) {
+        const auto box = going_on(next.box, effective);
+        TROCHOID_ASSERT(box.has_value(), "box {} cannot go on: {}", next.box.value, box.error().message);
+        WaveTrainBox record = successor_of((*box)->sea->record, ids, effective);
+        limit_successor(record, next.box, growth_of(record, next.land), others);
+        const auto ok = validate(record);
+        TROCHOID_ASSERT(ok.has_value(), "successor {}: {}", record.id.value, ok.error().message);
+        ids.box.value += 1;
+        ids.first_train.value += static_cast<uint32_t>(record.trains.size());
+        event.boxes.push_back({next.box, std::move(record)});
+    }
+    return event;
+}
+
 std::shared_ptr<const WorldState> World::apply(const LogEvent& event, std::span<const uint8_t> bytes,
                                                TracedLand land) {
+    Derived derived;
+    if (std::holds_alternative<BoxStarted>(event.what)) derived.lands.push_back(std::move(land));
+    return apply(event, bytes, std::move(derived));
+}
+
+std::shared_ptr<const WorldState> World::apply(const LogEvent& event, std::span<const uint8_t> bytes,
+                                               Derived derived) {
     auto next = std::make_shared<WorldState>(*state_);
-    std::visit([&](const auto& what) { fold(*next, what, std::move(land)); }, event.what);
+    fold(*next, event, std::move(derived));
     next->log_position.value += 1;
     next->log_hash = chain_hash(next->log_hash, bytes);
     state_ = std::move(next);

@@ -11,14 +11,18 @@
 
 namespace trochoid {
 
+struct LandMemory;
+
 /// A box as the server holds it.
 struct WorldBox {
     std::shared_ptr<const PreparedBox>
         sea;  ///< record (with field ids and gain_max filled in), constants, fields
     std::string name;
     StartWind wind;
-    std::vector<WaveRay> rays;  ///< traced along u for debug views, at most 128
-    double land_growth = 1.0;   ///< how much steeper land makes it at most, for the steepness guard
+    std::vector<WaveRay> rays;                      ///< traced along u for debug views, at most 128
+    std::shared_ptr<const LandMemory> land_memory;  ///< for tracing it again; no part of the state's value
+    double land_growth = 1.0;  ///< how much steeper land makes it at most, for the steepness guard
+    BoxId predecessor;         ///< the box whose place this one took when the land changed; none (0)
 };
 
 /// The world after some prefix of the log: an immutable value that a tick, a cull or a query reads without locks.

@@ -8,6 +8,7 @@
 #include <map>
 #include <memory>
 #include <ostream>
+#include <set>
 #include <sstream>
 #include <vector>
 
@@ -22,14 +23,22 @@ namespace trochoid {
 namespace {
 
 constexpr const char* head =
-    R"(# Trochoid golden vectors, model version 1. Any program that computes the sea must reproduce every line bit for bit.
+    R"(# Trochoid golden vectors, model version 2. Any program that computes the sea must reproduce every line bit for bit.
 # All numbers are decimal integers, except floats: 8 hex digits of their IEEE 754 binary32 bits.
 # sincos PHASE SIN COS                     phase in turns, Q0.32
-# box ID FIRST_TRAIN X Z UX UZ LENGTH WIDTH RAMP_REAR RAMP_FRONT RAMP_SIDE BEGIN BUILD_UP END DECAY FRONT_SPEED GAIN_MAX
-# train KX KZ OMEGA PHASE AMPLITUDE CHOPPINESS FIELD      of the last box
+# wakenode SYSTEM J PHASE ALONG OUTWARDS GAIN     node of the wake table; system 0 transverse, 1 diverging
+# wakeroot J VALUE
+# box ID FIRST_TRAIN X Z UX UZ LENGTH WIDTH RAMP_REAR RAMP_FRONT RAMP_SIDE BEGIN BUILD_UP END DECAY FRONT_SPEED GAIN_MAX RAISED FADE ROUNDNESS
+# leg FROM DURATION X Z VX VZ                             of the last box, as are the next five
+# overlay FIELD BASE
+# irregular SHARE UKX UKZ VKX VKZ OMEGA PHASE_U PHASE_V
+# noise AMPLITUDE PERSISTENCE OCTAVES STEP_LOG2 PERIOD_LOG2 DISPLAYED_ONLY SEED
+# wake TRANSVERSE DIVERGING CHOPPINESS INVERSE_LENGTH GROUP_SPEED
+# train KX KZ OMEGA PHASE AMPLITUDE CHOPPINESS FIELD
 # field ID STEP_LOG2
-# block X Z then 289 shifts and 289 gains                  of the last field
-# sample T X Z AX AY AZ PXX PXZ PZX PZZ YX YZ NX NY NZ VX VY VZ      surface at a rest point
+# block X Z then 289 shifts, 289 gains and 289 orbits      of the last field
+# sample T X Z AX AY AZ PXX PXZ PZX PZZ YX YZ NX NY NZ VX VY VZ      surface at a rest point, authoritative layers
+# layers MASK T X Z AX ... VZ                                        the same with another set of layers
 # water T X Z HEIGHT NX NY NZ VX VY VZ REST_X REST_Z                 surface at a fixed place
 # hash SEED COUNT HASH                     known-answer hash of the built-in reference sea (16 hex digits)
 )";
@@ -45,9 +54,15 @@ std::string sincos_text(uint32_t phase) {
     return hex(v.sin) + " " + hex(v.cos);
 }
 
-std::string sample_text(const Sea& sea, SeaTime t, LatticePoint p) {
+std::string wake_node_text(int system, size_t j) {
+    const WakeTable& table = wake_table();
+    const WakeNode& n = system == 0 ? table.transverse[j] : table.diverging[j];
+    return fmt::format("{} {} {} {}", n.phase, n.along, n.outwards, n.gain);
+}
+
+std::string sample_text(const Sea& sea, SeaTime t, LatticePoint p, Layers layers = authoritative_layers) {
     std::string text;
-    for (const float v : floats_of(SeaInstant(sea, t).evaluate(p)))
+    for (const float v : floats_of(SeaInstant(sea, t, layers).evaluate(p)))
         text += (text.empty() ? "" : " ") + hex(v);
     return text;
 }
@@ -59,25 +74,52 @@ std::string water_text(const Sea& sea, SeaTime t, LatticePoint p) {
     return text + fmt::format("{} {}", w.rest.x, w.rest.z);
 }
 
+void write_features(std::ostream& out, const WaveTrainBox& b) {
+    for (const CourseLeg& l : b.course)
+        out << fmt::format("leg {} {} {} {} {} {}\n", l.from.us, l.duration_us, l.origin.x, l.origin.z, l.vx,
+                           l.vz);
+    for (const FieldOverlay& o : b.overlays)
+        out << fmt::format("overlay {} {}\n", o.field.value, o.base.value);
+    const IrregularHeight& i = b.irregular;
+    if (i != IrregularHeight{})
+        out << fmt::format("irregular {} {} {} {} {} {} {} {}\n", i.share, i.ukx, i.ukz, i.vkx, i.vkz,
+                           i.omega, i.phase_u, i.phase_v);
+    const SurfaceNoise& n = b.noise;
+    if (n != SurfaceNoise{})
+        out << fmt::format("noise {} {} {} {} {} {} {}\n", hex(n.amplitude), n.persistence, n.octaves,
+                           n.step_log2, n.period_log2, n.displayed_only ? 1 : 0, n.seed);
+    const ShipWake& w = b.wake;
+    if (w != ShipWake{})
+        out << fmt::format("wake {} {} {} {} {}\n", hex(w.transverse), hex(w.diverging), hex(w.choppiness),
+                           w.inverse_length, w.group_speed);
+}
+
+void write_field(std::ostream& out, const LandField& field) {
+    out << fmt::format("field {} {}\n", field.id().value, field.step_log2());
+    for (const auto& block : field.blocks()) {
+        out << fmt::format("block {} {}", block->key.x, block->key.z);
+        for (const int32_t v : block->shift) out << ' ' << v;
+        for (const uint16_t v : block->gain) out << ' ' << v;
+        for (const uint16_t v : block->orbit) out << ' ' << v;
+        out << '\n';
+    }
+}
+
 void write_records(std::ostream& out, const Sea& sea) {
+    std::set<uint32_t> written;
     for (const auto& box : sea.boxes()) {
         const WaveTrainBox& b = box->record;
-        out << fmt::format("box {} {} {} {} {} {} {} {} {} {} {} {} {} {} {} {} {}\n", b.id.value,
+        out << fmt::format("box {} {} {} {} {} {} {} {} {} {} {} {} {} {} {} {} {} {} {} {}\n", b.id.value,
                            b.first_train.value, b.origin.x, b.origin.z, b.ux, b.uz, b.length, b.width,
                            b.ramp_rear, b.ramp_front, b.ramp_side, b.begin.us, b.build_up_us, b.end.us,
-                           b.decay_us, b.front_speed, b.gain_max);
+                           b.decay_us, b.front_speed, b.gain_max, b.raised_us, b.fade_us, b.roundness);
+        write_features(out, b);
         for (const WaveTrain& t : b.trains)
             out << fmt::format("train {} {} {} {} {} {} {}\n", t.kx, t.kz, t.omega, t.phase, hex(t.amplitude),
                                hex(t.choppiness), t.field.value);
-        for (const auto& field : box->fields) {
-            out << fmt::format("field {} {}\n", field->id().value, field->step_log2());
-            for (const auto& block : field->blocks()) {
-                out << fmt::format("block {} {}", block->key.x, block->key.z);
-                for (const int32_t v : block->shift) out << ' ' << v;
-                for (const uint16_t v : block->gain) out << ' ' << v;
-                out << '\n';
-            }
-        }
+        for (const auto& top : box->fields)
+            for (const LandField* field = top.get(); field != nullptr; field = field->base().get())
+                if (written.insert(field->id().value).second) write_field(out, *field);
     }
 }
 
@@ -99,14 +141,54 @@ struct Reader {
         return sea;
     }
 
+    static float float_from(std::istringstream& in) {
+        uint32_t word = 0;
+        in >> std::hex >> word >> std::dec;
+        return std::bit_cast<float>(word);
+    }
+
+    /// True where the kind is one of a box's features (read, or failed to be).
+    bool feature(const std::string& kind, std::istringstream& in) {
+        WaveTrainBox& b = boxes.back();
+        if (kind == "leg") {
+            CourseLeg& l = b.course.emplace_back();
+            in >> l.from.us >> l.duration_us >> l.origin.x >> l.origin.z >> l.vx >> l.vz;
+        } else if (kind == "overlay") {
+            FieldOverlay& o = b.overlays.emplace_back();
+            in >> o.field.value >> o.base.value;
+        } else if (kind == "irregular") {
+            IrregularHeight& i = b.irregular;
+            in >> i.share >> i.ukx >> i.ukz >> i.vkx >> i.vkz >> i.omega >> i.phase_u >> i.phase_v;
+        } else if (kind == "noise") {
+            uint32_t octaves = 0;
+            uint32_t step = 0;
+            uint32_t period = 0;
+            b.noise.amplitude = float_from(in);
+            in >> b.noise.persistence >> octaves >> step >> period >> b.noise.displayed_only >> b.noise.seed;
+            b.noise.octaves = static_cast<uint8_t>(octaves);
+            b.noise.step_log2 = static_cast<uint8_t>(step);
+            b.noise.period_log2 = static_cast<uint8_t>(period);
+        } else if (kind == "wake") {
+            b.wake.transverse = float_from(in);
+            b.wake.diverging = float_from(in);
+            b.wake.choppiness = float_from(in);
+            in >> b.wake.inverse_length >> b.wake.group_speed;
+        } else {
+            return false;
+        }
+        return true;
+    }
+
     bool record(const std::string& kind, std::istringstream& in) {
         if (kind == "box") {
             WaveTrainBox& b = boxes.emplace_back();
             in >> b.id.value >> b.first_train.value >> b.origin.x >> b.origin.z >> b.ux >> b.uz >> b.length >>
                 b.width >> b.ramp_rear >> b.ramp_front >> b.ramp_side >> b.begin.us >> b.build_up_us >>
-                b.end.us >> b.decay_us >> b.front_speed >> b.gain_max;
+                b.end.us >> b.decay_us >> b.front_speed >> b.gain_max >> b.raised_us >> b.fade_us >>
+                b.roundness;
             return !in.fail();
         }
+        if (!boxes.empty() && feature(kind, in)) return !in.fail();
         if (kind == "train" && !boxes.empty()) {
             WaveTrain& t = boxes.back().trains.emplace_back();
             uint32_t amplitude = 0;
@@ -130,6 +212,7 @@ struct Reader {
             in >> block->key.x >> block->key.z;
             for (int32_t& v : block->shift) in >> v;
             for (uint16_t& v : block->gain) in >> v;
+            for (uint16_t& v : block->orbit) in >> v;
             if (in.fail()) return false;
             fields.back()->set(std::move(block));
             return true;
@@ -150,15 +233,52 @@ struct Reader {
             in >> seed >> count;
             return in.fail() ? "" : fmt::format("{:016x}", reference_hash(seed, count));
         }
+        if (kind == "wakenode") {
+            int system = 0;
+            size_t j = 0;
+            in >> system >> j;
+            return in.fail() || j > wake_cells ? "" : wake_node_text(system, j);
+        }
+        if (kind == "wakeroot") {
+            size_t j = 0;
+            in >> j;
+            return in.fail() || j > wake_root_cells ? "" : fmt::format("{}", wake_table().root[j]);
+        }
+        Layers layers = authoritative_layers;
+        if (kind == "layers") in >> layers.bits;
         SeaTime t;
         LatticePoint p;
         in >> t.us >> p.x >> p.z;
         if (in.fail()) return "";
-        if (kind == "sample") return sample_text(rebuilt(), t, p);
+        if (kind == "sample" || kind == "layers") return sample_text(rebuilt(), t, p, layers);
         if (kind == "water") return water_text(rebuilt(), t, p);
         return "";
     }
 };
+
+void write_wake_table(std::ostream& out) {
+    for (int system = 0; system < 2; ++system)
+        for (size_t j = 0; j <= wake_cells; j += j >= 240 && j < 264 ? 1 : (j >= 712 && j < 764 ? 4 : 8))
+            out << fmt::format("wakenode {} {} {}\n", system, j, wake_node_text(system, j));
+    for (size_t j = 0; j <= wake_root_cells; j += 4)
+        out << fmt::format("wakeroot {} {}\n", j, wake_table().root[j]);
+}
+
+/// Each layer left out alone, each with the trains alone, all: around the storm, the successor's fade and the ship.
+void write_layers(std::ostream& out, const Sea& sea) {
+    for (uint32_t i = 0; i < 200; ++i) {
+        const uint16_t one = static_cast<uint16_t>(1U << (i % 10));
+        Layers layers{i % 10 == 9 ? displayed_layers.bits : static_cast<uint16_t>(one | 1U)};
+        if (i % 20 < 9) layers.bits = static_cast<uint16_t>(displayed_layers.bits ^ one);
+        const uint64_t a = splitmix64(5000 + i);
+        const uint64_t b = splitmix64(a);
+        const LatticePoint p{static_cast<int64_t>(a % 4'000'000) - 2'000'000,
+                             static_cast<int64_t>(b % 4'000'000) - 2'000'000};
+        const SeaTime t{static_cast<int64_t>(splitmix64(b) % 900'000'000)};
+        out << fmt::format("layers {} {} {} {} {}\n", layers.bits, t.us, p.x, p.z,
+                           sample_text(sea, t, p, layers));
+    }
+}
 
 }  // namespace
 
@@ -170,6 +290,7 @@ void write_goldens(std::ostream& out) {
             i < 64 ? (i / 4) * 0x10000000U + (i % 4) - 2U : static_cast<uint32_t>(splitmix64(i));
         out << fmt::format("sincos {} {}\n", phase, sincos_text(phase));
     }
+    write_wake_table(out);
     const Sea sea = reference_sea();
     write_records(out, sea);
     const int64_t times[] = {
@@ -184,6 +305,7 @@ void write_goldens(std::ostream& out) {
         out << fmt::format("sample {} {} {} {}\n", t.us, p.x, p.z, sample_text(sea, t, p));
         if (i % 4 == 0) out << fmt::format("water {} {} {} {}\n", t.us, p.x, p.z, water_text(sea, t, p));
     }
+    write_layers(out, sea);
     for (const uint64_t seed : {1ULL, 2ULL, 99ULL})
         out << fmt::format("hash {} 4096 {:016x}\n", seed, reference_hash(seed, 4096));
 }
@@ -201,7 +323,9 @@ GoldenReport check_goldens(std::istream& in) {
         const auto wrong = [&](const std::string& why) {
             if (report.wrong++ == 0) report.first_wrong = fmt::format("line {}: {}", number, why);
         };
-        if (kind == "box" || kind == "train" || kind == "field" || kind == "block") {
+        static const std::set<std::string> records = {"box",  "leg",   "overlay", "irregular", "noise",
+                                                      "wake", "train", "field",   "block"};
+        if (records.contains(kind)) {
             if (!reader.record(kind, words)) wrong("unreadable " + kind);
             continue;
         }

@@ -13,7 +13,7 @@ constexpr FrustumPlanes everything{glm::vec4(0, 0, 0, 1), glm::vec4(0, 0, 0, 1),
 
 }  // namespace
 
-Probe probe_sea(const InterestState& state, SeaTime now, const Camera& camera) {
+Probe probe_sea(const InterestState& state, SeaTime now, const Camera& camera, Layers layers) {
     const ShaderProgram program(
         {"sea.vert", "sea.tesc", "sea.tese"},
         {{"TROCHOID_PROBE 1"}, {"probe_place", "probe_shift", "probe_normal", "probe_phases"}});
@@ -28,8 +28,8 @@ Probe probe_sea(const InterestState& state, SeaTime now, const Camera& camera) {
     SeaBuffers buffers;
     buffers.set_land(land);
     buffers.set_lists(table.lists());
-    buffers.set_records(table.records(land, frame.anchor, now));
-    const FrameUniforms uniforms = make_uniforms({camera, frame, eye, BedMap{}, now, 0, true});
+    buffers.set_records(table.records(land, frame.anchor, now, layers));
+    const FrameUniforms uniforms = make_uniforms({camera, frame, eye, BedMap{}, now, 0, true, layers});
     GlBuffer uniform_buffer;
     uniform_buffer.fill(GL_UNIFORM_BUFFER, std::span<const FrameUniforms>(&uniforms, 1), GL_STATIC_DRAW);
     glBindBufferBase(GL_UNIFORM_BUFFER, frame_binding, uniform_buffer.name());

@@ -23,6 +23,7 @@ struct Probe {
 
 /// Runs the shipped tessellation shaders over a state without drawing and reads their outputs back (transform feedback).
 /// Nothing fades. Covers everything around the camera, whether in view or not.
-Probe probe_sea(const InterestState& state, SeaTime now, const Camera& camera);
+Probe probe_sea(const InterestState& state, SeaTime now, const Camera& camera,
+                Layers layers = displayed_layers);
 
 }  // namespace trochoid

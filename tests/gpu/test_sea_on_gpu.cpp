@@ -32,35 +32,56 @@ Sea sea_of(const InterestState& state) {
     return Sea(std::move(boxes));
 }
 
+/// Phases of a box's trains with all that shifts them.
+void add_trains(uint32_t& digest, const LiveBox& live, LatticePoint p, Layers layers) {
+    const PreparedBox& box = *live.box;
+    const int64_t v = box_position(box.record, live.instant, p).v;
+    for (size_t i = 0; i < box.record.trains.size(); ++i) {
+        const int16_t field = box.field_of_train[i];
+        uint32_t shift = 0;
+        if (field >= 0 && layers.has(Layer::refraction))
+            shift = box.fields[static_cast<size_t>(field)]->sample(p).shift;
+        if (box.record.roundness != 0 && layers.has(Layer::round))
+            shift += round_shift(box.record.roundness, box.constants[i].whole, box.record.width, v).shift;
+        digest =
+            (digest ^ (phase_from_place(box.record.trains[i], p.x, p.z) + live.phase[i] + shift)) * 16777619U;
+    }
+}
+
 /// The digest of sea.glsl over the CPU's phases.
-uint32_t phases_of(const Sea& sea, SeaTime now, LatticePoint p) {
+uint32_t phases_of(const SeaInstant& sea, LatticePoint p) {
     uint32_t digest = 2166136261U;
-    for (const auto& box : sea.boxes()) {
-        if (envelope_at(box->record, instant_of(box->record, now), p).gain == 0) continue;
-        for (size_t i = 0; i < box->record.trains.size(); ++i) {
-            const WaveTrain& train = box->record.trains[i];
-            const int16_t field = box->field_of_train[i];
-            const uint32_t shift = field < 0 ? 0 : box->fields[static_cast<size_t>(field)]->sample(p).shift;
-            digest = (digest ^ (phase_from_place(train, p.x, p.z) + phase_at_origin(train, now.us) + shift)) *
-                     16777619U;
-        }
+    for (const LiveBox& live : sea.live()) {
+        const WaveTrainBox& box = live.box->record;
+        if (envelope_at(box, live.instant, p).gain == 0) continue;
+        if (sea.layers().has(Layer::trains)) add_trains(digest, live, p, sea.layers());
+        if (!has_wake(box.wake) || !sea.layers().has(Layer::wakes)) continue;
+        const BoxPosition at = box_position(box, live.instant, p);
+        const WakeSample w = wake_at(box.wake, box.length - at.u, at.v - box.width / 2,
+                                     live.instant.wake_rear, live.instant.wake_front);
+        if (box.wake.transverse != 0.0F && w.transverse.gain != 0)
+            digest = (digest ^ w.transverse.phase) * 16777619U;
+        if (box.wake.diverging != 0.0F && w.diverging.gain != 0)
+            digest = (digest ^ w.diverging.phase) * 16777619U;
     }
     return digest;
 }
 
 struct Comparison {
     size_t vertices = 0;
-    size_t moved = 0;  // with any displacement at all
+    size_t moved = 0;    // with any displacement at all
+    size_t changed = 0;  // by the layers that are left out
     size_t phase_differs = 0;
     size_t bits_differ = 0;  // in displacement or normal
     double worst_mm = 0;     // of displacement
     double worst_normal = 0;
 };
 
-Comparison compare(const InterestState& state, SeaTime now, const Camera& camera) {
-    const Probe probe = probe_sea(state, now, camera);
-    const Sea sea = sea_of(state);
-    const SeaInstant instant(sea, now);
+Comparison compare(const InterestState& state, SeaTime now, const Camera& camera,
+                   Layers layers = displayed_layers) {
+    const Probe probe = probe_sea(state, now, camera, layers);
+    const SeaInstant instant(sea_of(state), now, layers);
+    const SeaInstant whole(sea_of(state), now, displayed_layers);
     Comparison result;
     for (size_t i = 0; i < probe.vertices.size(); i += 7) {
         const ProbedVertex& v = probe.vertices[i];
@@ -68,7 +89,8 @@ Comparison compare(const InterestState& state, SeaTime now, const Camera& camera
         const SurfaceSample cpu = instant.evaluate(p);
         ++result.vertices;
         if (cpu.ay != 0.0F) ++result.moved;
-        if (phases_of(sea, now, p) != v.phases) ++result.phase_differs;
+        if (layers != displayed_layers && cpu != whole.evaluate(p)) ++result.changed;
+        if (phases_of(instant, p) != v.phases) ++result.phase_differs;
         const float shift[3] = {cpu.ax, cpu.ay, cpu.az};
         const float normal[3] = {cpu.nx, cpu.ny, cpu.nz};
         bool same = true;
@@ -206,6 +228,197 @@ TEST_F(SeaOnGpu, hostile_land_fields_of_every_step) {
         state.boxes[box.id] = std::make_shared<const WaveTrainBox>(box);
         for (auto& [key, patch] : state.patches) patch.boxes.push_back({box.id, 32});
         expect_equal(compare(state, SeaTime{-5'000'000'000'017}, camera));
+    }
+}
+
+/// A camera with a sea around it for the features of session two.
+struct Ground {
+    FixtureSource source{TerrainGrid{}};
+    Camera camera;
+    SeaTime now{1'650'000'017};
+    Ground() { camera.position = {to_lattice(4'000'123.7), to_lattice(-987'654.3)}; }
+    LatticePoint at(double east, double south) const {
+        return {camera.position.x + to_lattice(east), camera.position.z + to_lattice(south)};
+    }
+    InterestState state() { return around(source, camera); }
+};
+
+CourseLeg leg_of(LatticePoint origin, double heading, double speed) {
+    const double q = speed * 1024e-6 * 0x1p24;
+    return {{900'000'000},
+            1'000'000'000'000,
+            origin,
+            static_cast<int32_t>(q * std::cos(heading)),
+            static_cast<int32_t>(q * std::sin(heading))};
+}
+
+WaveTrainBox moving_storm(const Ground& g) {
+    WaveTrainBox box = storm({3}, {200}, g.at(-24'000, -12'000), 0.3, 7.0);
+    // 750 s at 24 m/s
+    box.course = {leg_of(box.origin, 0.3, 24.0)};
+    box.begin = {1'600'000'000};
+    box.raised_us = 400'000'000;
+    box.fade_us = 90'000'001;
+    box.build_up_us = 700'000'003;
+    return box;
+}
+
+IrregularHeight groups() {
+    IrregularHeight i;
+    i.share = 24'321;
+    i.ukx = 13'000;
+    i.ukz = 4'501;
+    i.vkx = -4'500;
+    i.vkz = 13'007;
+    i.omega = 615'000'000'000'000ULL;
+    i.phase_u = 0x12345678;
+    i.phase_v = 0xdeadbeef;
+    return i;
+}
+
+/// A ship of 8.3 m/s that has come 6 km, its stern 400 m from the camera.
+WaveTrainBox ship(const Ground& g, double heading) {
+    WaveTrainBox box;
+    box.id = {6};
+    box.first_train = {600};
+    box.ux = static_cast<int32_t>(std::lround(std::cos(heading) * 0x1p30));
+    box.uz = static_cast<int32_t>(std::lround(std::sin(heading) * 0x1p30));
+    box.length = to_lattice(9'000);
+    box.width = to_lattice(7'000);
+    const double speed = 8.3, gone = speed * 750.0;
+    const double u = -9'000 + 400 - gone, v = -3'500;
+    box.origin =
+        g.at(u * std::cos(heading) - v * std::sin(heading), u * std::sin(heading) + v * std::cos(heading));
+    box.begin = {900'000'000};
+    box.course = {leg_of(box.origin, heading, speed)};
+    const double length = 6.283185307 * speed * speed / 9.81;
+    box.wake.transverse = 0.55F;
+    box.wake.diverging = 0.4F;
+    box.wake.choppiness = 0.83F;
+    box.wake.inverse_length = static_cast<uint32_t>(0x1p40 / (length * 1024.0));
+    box.wake.group_speed = static_cast<uint32_t>(speed * 0.5 * 1024e-6 * 0x1p24);
+    return box;
+}
+
+WaveTrainBox noisy(BoxId id, bool displayed_only) {
+    WaveTrainBox box;
+    box.id = id;
+    box.first_train = {id.value * 100};
+    box.begin = {-sea_time_bound};
+    box.noise = {0.21F, 41'000, 7, 13, 22, displayed_only, 0xc0ffee};
+    return box;
+}
+
+TEST_F(SeaOnGpu, a_storm_on_its_course_that_takes_over_from_another) {
+    Ground g;
+    g.source.add_box(moving_storm(g));
+    expect_equal(compare(g.state(), g.now, g.camera));
+}
+
+TEST_F(SeaOnGpu, irregular_heights) {
+    Ground g;
+    WaveTrainBox box = storm({3}, {200}, g.at(-7'000, -5'000), 0.6, 8.0);
+    box.irregular = groups();
+    g.source.add_box(box);
+    expect_equal(compare(g.state(), g.now, g.camera));
+}
+
+TEST_F(SeaOnGpu, round_waves_of_odd_widths) {
+    for (const int64_t width : {to_lattice(14'000), to_lattice(9'999.137), to_lattice(1'048'000)}) {
+        Ground g;
+        WaveTrainBox box = storm({3}, {200}, g.at(-7'000, -to_metres(width) * 0.47), 0.1, 6.0);
+        box.width = width;
+        box.roundness = 31'001;
+        g.source.add_box(box);
+        expect_equal(compare(g.state(), g.now, g.camera));
+    }
+}
+
+TEST_F(SeaOnGpu, a_ships_wake_before_and_after_it_has_stopped) {
+    for (const double heading : {0.0, 2.1, -1.57}) {
+        SCOPED_TRACE(heading);
+        Ground g;
+        WaveTrainBox box = ship(g, heading);
+        g.source.add_box(box);
+        expect_equal(compare(g.state(), g.now, g.camera));
+        box.end = {1'600'000'000};
+        box.decay_us = 400'000'000;
+        g.source.add_box(box);
+        expect_equal(compare(g.state(), g.now, g.camera));
+    }
+}
+
+TEST_F(SeaOnGpu, noise_of_seven_octaves_by_layer) {
+    Ground g;
+    g.source.add_box(noisy({7}, false));
+    WaveTrainBox fine = noisy({8}, true);
+    fine.noise.step_log2 = 10;
+    fine.noise.period_log2 = 40;
+    fine.origin = g.at(-5'000, -4'000);
+    fine.length = fine.width = to_lattice(9'000);
+    fine.ramp_front = fine.ramp_rear = fine.ramp_side = static_cast<int32_t>(to_lattice(1'500));
+    g.source.add_box(fine);
+    const InterestState state = g.state();
+    expect_equal(compare(state, g.now, g.camera));
+    expect_equal(compare(state, g.now, g.camera, authoritative_layers));
+    expect_equal(compare(state, SeaTime{-123'456'789'012'345}, g.camera));
+}
+
+/// Blocks of a field around a place; `odd` tells overlays from their bases.
+void add_blocks(InterestState& state, FieldId id, LatticePoint middle, int odd) {
+    const int64_t side = int64_t{block_cells} << 16;
+    for (int64_t bz = -12; bz <= 12; ++bz)
+        for (int64_t bx = -12; bx <= 12; ++bx) {
+            // An overlay has some of the blocks; its base lacks others.
+            if ((bx * 7 + bz * 3) % 3 != odd && odd != 0) continue;
+            if (odd == 0 && (bx + bz) % 4 == 0) continue;
+            auto block = std::make_shared<LandBlock>();
+            block->key = {static_cast<int32_t>(middle.x / side + bx),
+                          static_cast<int32_t>(middle.z / side + bz)};
+            for (int j = 0; j < block_nodes; ++j)
+                for (int i = 0; i < block_nodes; ++i) {
+                    const auto n = static_cast<size_t>(j * block_nodes + i);
+                    const int64_t x = int64_t{block->key.x} * block_cells + i;
+                    const int64_t z = int64_t{block->key.z} * block_cells + j;
+                    const int64_t dice = (x * 2'654'435'761 ^ z * 40'503) + odd * 77'777;
+                    block->shift[n] = static_cast<int32_t>(dice % 900'000);
+                    block->gain[n] = static_cast<uint16_t>((dice >> 5) & 0xffff);
+                    block->orbit[n] = static_cast<uint16_t>((dice >> 9) & 0xffff);
+                }
+            state.blocks[{id, block->key}] = {id, 16, block};
+        }
+}
+
+/// Everything that a box can be, in one sea.
+InterestState everything(Ground& g) {
+    WaveTrainBox box = moving_storm(g);
+    box.irregular = groups();
+    box.roundness = 20'000;
+    box.noise = {0.1F, 30'000, 3, 11, 20, false, 5};
+    for (size_t i = 0; i < box.trains.size(); ++i)
+        box.trains[i].field = {i % 3 == 0 ? 0U : (i % 3 == 1 ? 14U : 9U)};
+    box.overlays = {{{12}, {9}}, {{14}, {12}}};
+    WaveTrainBox before = storm({4}, {300}, g.at(-7'000, -6'000), -0.4, 3.0);
+    for (WaveTrain& train : before.trains) train.field = {9};
+    for (const WaveTrainBox& b : {box, before, ship(g, 0.7), noisy({7}, false), noisy({8}, true)})
+        g.source.add_box(b);
+    InterestState state = g.state();
+    add_blocks(state, {9}, g.camera.position, 0);
+    add_blocks(state, {12}, g.camera.position, 1);
+    add_blocks(state, {14}, g.camera.position, 2);
+    return state;
+}
+
+TEST_F(SeaOnGpu, everything_at_once_and_each_layer_without) {
+    Ground g;
+    const InterestState state = everything(g);
+    expect_equal(compare(state, g.now, g.camera));
+    for (int bit = 0; bit < 9; ++bit) {
+        SCOPED_TRACE(bit);
+        const auto layer = static_cast<Layer>(1U << bit);
+        const Comparison c = compare(state, g.now, g.camera, displayed_layers.without(layer));
+        expect_equal(c);
+        EXPECT_GT(c.changed, c.vertices / 20) << "a layer that changes nothing proves nothing";
     }
 }
 

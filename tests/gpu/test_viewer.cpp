@@ -188,6 +188,9 @@ TEST(ViewerOptions, read_places_sizes_and_debug_views) {
     EXPECT_EQ(options->camera.width, 640U);
     EXPECT_TRUE(options->debug.rays);
     EXPECT_FALSE(options->debug.patches);
+    EXPECT_EQ(options->layers, displayed_layers);
+    EXPECT_EQ(draw_options_of(*parse({"--layers=-noise,-round"})).layers,
+              displayed_layers.without(Layer::noise).without(Layer::round));
     EXPECT_GT(draw_options_of(*options).error_px, DrawOptions{}.error_px);
     EXPECT_GT(options->seconds, 0);
 }
@@ -200,6 +203,7 @@ TEST(ViewerOptions, refuse_what_makes_no_sense) {
     EXPECT_THROW(parse({"--size=640x360x2"}), OperatorError);
     EXPECT_THROW(parse({"--debug=everything"}), OperatorError);
     EXPECT_THROW(parse({"--quality=best"}), OperatorError);
+    EXPECT_THROW(parse({"--layers=waves"}), OperatorError);
     EXPECT_THROW(parse({"--seconds=-1"}), OperatorError);
     EXPECT_THROW(parse({"--second-picture=x.png"}), OperatorError);
     EXPECT_THROW(parse({"--unheard-of"}), OperatorError);

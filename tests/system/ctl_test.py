@@ -10,6 +10,10 @@ from sea_programs import BIN, ProgramTest, Server, run, scene
 WIND = ("start-wind", "--speed", 8, "--towards", 30, "--origin", "-100,200", "--fetch-km", 1, "--width-km", 0.5)
 
 
+SHIP = ("start-ship", "--from", "300,-50", "--towards", 90, "--speed", 9, "--name", "ferry")
+MOLE = ("breakwater", "--point", "100,0", "--point", "200,50")
+
+
 class Ctl(ProgramTest):
     @classmethod
     def setUpClass(cls):
@@ -68,6 +72,8 @@ class Ctl(ProgramTest):
     def test_only_directors_change_the_sea(self):
         for command in (WIND, ("stop-wind", 1), ("time", "--rate", 2)):
             self.assert_ends(self.server.ctl(*command, token=False), 1, "301", "token")
+        for command in (SHIP, ("steer", 1, "--towards", 1, "--speed", 1), MOLE):
+            self.assert_ends(self.server.ctl(*command, token=False), 1, "301", "token")
         wrong = self.server.token_file.with_name("wrong")
         wrong.write_text("another token\n")
         self.assert_ends(self.server.ctl("--token-file", wrong, "list", token=False), 1, "token")
@@ -75,9 +81,55 @@ class Ctl(ProgramTest):
     def test_unknown_box(self):
         self.assert_ends(self.server.ctl("stop-wind", 4_000_000), 1, "602", "trochoid-ctl list")
 
+    def test_a_ship_sails_turns_and_ends(self):
+        started = self.server.ctl_json(*SHIP)
+        first = started["box"]
+        time.sleep(1.5)
+        listed = {b["box"]: b for b in self.server.ctl_json("list")["boxes"]}
+        ship = listed[first]
+        self.assertEqual((ship["kind"], ship["name"], ship["towards_degrees"]), ("ship", "ferry", 90))
+        self.assertAlmostEqual(ship["vx_m_s"], 9, delta=0.01)
+        self.assertAlmostEqual(ship["vz_m_s"], 0, delta=0.01)
+        self.assertGreaterEqual(ship["x_m"], 300)
+        self.assertAlmostEqual(ship["z_m"], -50, delta=1)
+        self.assert_ends(self.server.ctl("list"), 0, "ferry", "ship", "9.0", "90°", stream="stdout")
+        second = self.server.ctl_json("steer", first, "--towards", 180, "--speed", 6)["box"]
+        self.assertNotEqual(second, first)
+        time.sleep(1.5)
+        listed = {b["box"]: b for b in self.server.ctl_json("list")["boxes"]}
+        self.assertAlmostEqual(listed[second]["vz_m_s"], 6, delta=0.01)
+        self.assertEqual(listed[first]["stage"], "decaying")
+        self.assert_ends(self.server.ctl("stop", second), 0, "the decay starts", stream="stdout")
+
+    def test_a_storm_moves_and_turns(self):
+        started = self.server.ctl_json(*WIND, "--trains", 32, "--directions", 4, "--spectrum", "jonswap", "--spreading",
+                                       "hasselmann", "--round", 0.3, "--irregular", 0.5, "--noise", 0.02,
+                                       "--move-towards", 90, "--move-speed", 15)
+        box = started["box"]
+        again = self.server.ctl_json("steer", box, "--towards", 0, "--speed", 20, "--in", 2)
+        self.assertEqual(again["box"], box)
+        time.sleep(3.5)
+        storm = {b["box"]: b for b in self.server.ctl_json("list")["boxes"]}[box]
+        self.assertEqual((storm["kind"], storm["trains"]), ("wind", 32))
+        self.assertAlmostEqual(storm["vz_m_s"], -20, delta=0.01)
+        self.assertGreater(storm["x_m"], -100)
+
+    def test_what_lies_still_is_not_steered(self):
+        self.assert_ends(self.server.ctl("steer", 1, "--towards", 0, "--speed", 5), 1, "605", "trochoid-ctl list")
+
+    def test_no_land_to_change(self):
+        self.assert_ends(self.server.ctl(*MOLE), 1, "606", "terrain")
+
     def test_bad_options_say_what_to_do(self):
         ctl = self.server.ctl
-        self.assert_ends(ctl(), 2, "start-wind, stop-wind, list or time")
+        self.assert_ends(ctl(), 2, "start-wind, start-ship, steer, stop-wind, breakwater, list or time")
+        self.assert_ends(ctl(*WIND, "--round", "nan"), 2, "--round", "0 to 1", "--help")
+        self.assert_ends(ctl(*WIND, "--directions", 3), 2, "--directions 3 does not divide")
+        self.assert_ends(ctl(*WIND, "--spectrum", "pink"), 2, "pink", "jonswap", "--help")
+        self.assert_ends(ctl(*SHIP, "--length", 0), 2, "--length", "1 to 500")
+        self.assert_ends(ctl("steer", 1, "--towards", "nan", "--speed", 1), 2, "--towards")
+        self.assert_ends(ctl("breakwater"), 2, "2 to 64 points", "--point X,Z")
+        self.assert_ends(ctl("breakwater", "--point", "1,2", "--point", ""), 2, "--point")
         self.assert_ends(ctl("frobnicate"), 2, "frobnicate", "--help")
         self.assert_ends(ctl("list", "--fast"), 2, "--fast", "--help")
         self.assert_ends(ctl("start-wind", "--speed", 8), 2, "required", "--help")
@@ -95,8 +147,26 @@ class Ctl(ProgramTest):
         for program in ("trochoid-ctl", "trochoid-probe", "trochoid-server"):
             self.assert_ends(run(program, "--version"), 0, program, "protocol", "model", stream="stdout")
             self.assert_ends(run(program, "--help"), 0, "Usage", stream="stdout")
-        for command in ("start-wind", "stop-wind", "list", "time"):
+        for command in ("start-wind", "start-ship", "steer", "stop-wind", "stop", "breakwater", "list", "time"):
             self.assert_ends(run("trochoid-ctl", command, "--help"), 0, "Example", stream="stdout")
+
+
+class Land(ProgramTest):
+    """The bed changes while the sea runs, and clients go on agreeing with the server."""
+
+    def test_a_breakwater_rises(self):
+        with Server(scene("plane-beach")) as server:
+            where = ("--region", "350,0,300", "--points", 200)
+            self.assert_ends(server.probe(*where, "--compare"), 0, "200 of 200 identical", stream="stdout")
+            built = server.ctl_json("breakwater", "--point", "300,-200", "--point", "320,200", "--width", 20, "--crest", 3)
+            self.assertNotIn("box", built)
+            wait = built["effective_s"] + 1
+            self.assert_ends(server.probe(*where, "--at", wait, "--compare"), 0, "200 of 200 identical", stream="stdout")
+            listed = server.ctl_json("list")["boxes"]
+            self.assertEqual(len({b["name"] for b in listed}), 1, "a box goes on under the same name")
+            self.assertGreater(max(b["box"] for b in listed), 1)
+            far = server.ctl("breakwater", "--point", "9000000,0", "--point", "9000100,0")
+            self.assert_ends(far, 1, "106")
 
 
 class Probe(ProgramTest):

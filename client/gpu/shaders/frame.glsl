@@ -4,7 +4,7 @@ layout(std140) uniform Frame {
     mat4 camera_from_clip;
     ivec4 camera_cell;       // xy: camera relative to the anchor; zw: low 32 bits of the anchor; lattice units
     vec4 camera_eye;         // xy: fraction of the cell, lattice units; z: altitude, m; w: 1 / (2 R), 1/m
-    ivec4 mesh_cell;         // as camera_cell, of the eye that the mesh is made for
+    ivec4 mesh_cell;         // xy: as camera_cell, of the eye that the mesh is made for; z: layers (Layer of sea.hpp)
     vec4 mesh_eye;           // as camera_eye
     vec4 mesh_filter;        // finest vertex spacing, m; spacing over distance; 1 = authoritative (nothing fades)
     vec4 sun;                // unit vector towards the sun
@@ -12,7 +12,8 @@ layout(std140) uniform Frame {
     vec4 ripple_axes;        // directions of travel (x, z): xy of the finest and the coarsest ripples, zw of those between
     vec4 scroll;             // how far three layers of ripples have travelled along, tiles; w: all of them across
     vec4 picture;            // angle of a pixel, rad; haze, 1/m; sea time modulo 4096 s; metres that clouds have drifted
-    vec4 foam;               // Jacobian below which foam starts; depth in m up to which surf breaks
+    vec4 foam;               // Jacobian below which foam starts; depth in m up to which surf breaks; open sea's bed, m; belt in
+                             // which the bed falls to it outside the raster, m
 };
 
 const float lattice_unit = 0.0009765625;  // 2^-10 m

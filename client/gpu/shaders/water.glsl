@@ -86,6 +86,16 @@ float foam_share(float jacobian, float depth, float waves, Ripples ripples) {
     return clamp(folding * (0.25 + 0.75 * lace) + surf * (0.35 + 0.65 * lace), 0.0, 1.0);
 }
 
+/// Height of the bed, m, and how far outside the terrain's raster the place lies, m: there the bed falls from the raster's
+/// edge to the open sea's (height_at, terrain.cpp).
+vec2 bed_at(vec2 rest) {
+    vec2 at = rest * bed_transform.xy + bed_transform.zw;
+    vec2 half_texel = 0.5 / vec2(textureSize(bed_map, 0));
+    vec2 beyond = abs(at - clamp(at, half_texel, 1.0 - half_texel)) / bed_transform.xy;
+    float outside = max(beyond.x, beyond.y);
+    return vec2(mix(texture(bed_map, at).x, foam.z, min(outside / foam.w, 1.0)), outside);
+}
+
 vec4 water_colour(vec3 position, vec3 mesh_normal, vec2 rest, vec3 interpolated) {
     // Interpolation may leave a variance of 0 a little below it.
     vec3 waves = vec3(interpolated.x, max(interpolated.yz, 0.0));
@@ -98,8 +108,8 @@ vec4 water_colour(vec3 position, vec3 mesh_normal, vec2 rest, vec3 interpolated)
     vec3 normal = normalize(vec3(-slope.x, 1.0, -slope.y));
     float sigma2 = 0.5 * (ripples.variance + max(waves.y - coarse, 0.0)) + 0.0008;
 
-    float bed = texture(bed_map, rest * bed_transform.xy + bed_transform.zw).x;
-    float depth = waves.x - bed;
+    vec2 bed = bed_at(rest);
+    float depth = waves.x - bed.x;
 
     // Facets that face away are not seen: what is seen leans towards the viewer.
     float facing = dot(normal, view);
@@ -114,6 +124,7 @@ vec4 water_colour(vec3 position, vec3 mesh_normal, vec2 rest, vec3 interpolated)
     float white = foam_share(mesh_normal.y, depth, sqrt(waves.z), ripples);
     vec3 foam_light = foam_colour * (sky_ambient + sun_light * (0.32 * max(dot(normal, sun.xyz), 0.0)));
     colour = mix(colour, foam_light, white * 0.9);
-    float cover = clamp(depth * 3.0, 0.0, 1.0);
+    // No land is drawn beyond the raster, so nothing but water may show there.
+    float cover = bed.y > 0.5 ? 1.0 : clamp(depth * 3.0, 0.0, 1.0);
     return vec4(displayed(hazed(colour, position)), max(cover, 0.0));
 }

@@ -37,14 +37,14 @@ TEST(CtlOptions, a_wind_in_the_worlds_units) {
         ctl({"start-wind", "--speed", "12.5", "--towards", "360", "--origin", "-1.5,2000", "--fetch-km", "3",
              "--width-km", "0.5", "--life-s", "60", "--in", "2.5", "--or-refuse"});
     ASSERT_TRUE(options);
-    const auto& start = std::get<CtlStartWind>(options->action);
-    EXPECT_EQ(start.wind.speed, 12.5F);
-    EXPECT_EQ(start.wind.towards_degrees, 0.0F);
-    EXPECT_EQ(start.wind.origin, (LatticePoint{-1536, 2'048'000}));
-    EXPECT_EQ(start.wind.fetch, 3'072'000);
-    EXPECT_EQ(start.wind.width, 512'000);
-    EXPECT_EQ(start.wind.life_us, 60'000'000);
-    EXPECT_EQ(start.wind.trains, 16);
+    const auto& start = std::get<CtlCommand>(options->action);
+    StartWind wind;
+    wind.speed = 12.5F;
+    wind.origin = {-1536, 2'048'000};
+    wind.fetch = 3'072'000;
+    wind.width = 512'000;
+    wind.life_us = 60'000'000;
+    EXPECT_EQ(start.action, CommandAction{wind}) << "all else is as by default";
     EXPECT_TRUE(start.when.or_refuse);
     EXPECT_EQ(asked_time(start.when, {1'000'000}).us, 3'500'000);
 }
@@ -60,8 +60,134 @@ TEST(CtlOptions, options_after_the_subcommand_count_too) {
     ASSERT_TRUE(options);
     EXPECT_EQ(options->server, (Endpoint{"::1", 99}));
     EXPECT_TRUE(options->json);
-    EXPECT_EQ(std::get<CtlTime>(options->action).rate, 0.0);
-    EXPECT_FALSE(std::get<CtlTime>(ctl({"time"})->action).rate);
+    EXPECT_EQ(std::get<CtlCommand>(options->action).action, CommandAction{SetRate{0}});
+    EXPECT_EQ(ctl({"time", "--rate", "1.5"})->action, CtlAction{(CtlCommand{SetRate{3U << 15}, {}})});
+    EXPECT_EQ(ctl({"time"})->action, CtlAction{CtlTime{}});
+}
+
+std::vector<const char*> wind_words(std::vector<const char*> more) {
+    std::vector<const char*> words{"start-wind", "--speed",    "25", "--towards",  "90", "--origin",
+                                   "0,0",        "--fetch-km", "15", "--width-km", "10"};
+    words.insert(words.end(), more.begin(), more.end());
+    return words;
+}
+
+TEST(CtlOptions, a_wind_with_all_that_waves_can_do) {
+    const auto options = ctl(wind_words({"--trains",          "256",     "--directions", "8",
+                                         "--spectrum",        "neumann", "--spreading",  "cosine-squared",
+                                         "--reference-depth", "12.5",    "--round",      "0.25",
+                                         "--irregular",       "1",       "--noise",      "0.03125",
+                                         "--move-towards",    "180",     "--move-speed", "12"}));
+    ASSERT_TRUE(options);
+    const auto wind = std::get<StartWind>(std::get<CtlCommand>(options->action).action);
+    EXPECT_EQ(wind.trains, 256);
+    EXPECT_EQ(wind.directions, 8);
+    EXPECT_EQ(wind.spectrum, Spectrum::neumann);
+    EXPECT_EQ(wind.spreading, Spreading::cosine_squared);
+    EXPECT_EQ(wind.reference_depth, 12.5F);
+    EXPECT_EQ(wind.roundness, 0.25F);
+    EXPECT_EQ(wind.irregularity, 1.0F);
+    EXPECT_EQ(wind.noise, 0.03125F);
+    EXPECT_EQ(wind.vx, 0.0F) << "no dust of a sine";
+    EXPECT_EQ(wind.vz, 12.0F) << "south is +z";
+    const auto west = ctl(wind_words({"--move-towards", "270", "--move-speed", "100"}));
+    EXPECT_EQ(std::get<StartWind>(std::get<CtlCommand>(west->action).action).vx, -100.0F);
+}
+
+TEST(CtlOptions, a_ship_her_course_and_her_end) {
+    const auto options = ctl(
+        {"start-ship", "--from", "10,-20", "--towards", "360", "--speed", "9", "--name", "MS M\xc3\xb8we"});
+    ASSERT_TRUE(options);
+    EXPECT_EQ(std::get<CtlCommand>(options->action).action,
+              (CommandAction{StartShip{{10'240, -20'480}, 0.0F, 9.0F, 100.0F, 0.0F, "MS M\xc3\xb8we"}}));
+    const auto turn = ctl({"steer", "5", "--towards", "45.5", "--speed", "0", "--in", "3"});
+    ASSERT_TRUE(turn);
+    EXPECT_EQ(turn->action, CtlAction{(CtlCommand{Steer{{5}, 45.5F, 0.0F}, {{}, 3.0, false}})});
+    for (const char* word : {"stop", "stop-wind"})
+        EXPECT_EQ(ctl({word, "7"})->action, CtlAction{(CtlCommand{StopWind{{7}}, {}})});
+}
+
+TEST(CtlOptions, a_breakwater) {
+    const auto options = ctl(
+        {"breakwater", "--point", "1,-2", "--point", "-3.5,4", "--width", "12.5", "--crest", "-8", "--dig"});
+    ASSERT_TRUE(options);
+    EXPECT_EQ(std::get<CtlCommand>(options->action).action,
+              (CommandAction{ChangeLand{{{1024, -2048}, {-3584, 4096}}, 12.5F, -8.0F, true}}));
+    const auto plain = ctl({"breakwater", "--point", "0,0", "--point", "0,9"});
+    EXPECT_EQ(std::get<ChangeLand>(std::get<CtlCommand>(plain->action).action),
+              (ChangeLand{{{0, 0}, {0, 9216}}, 20.0F, 3.0F, false}));
+}
+
+/// The sentence that the words are refused with; empty where they are taken.
+std::string refused(const std::vector<const char*>& words) {
+    try {
+        ctl(words);
+    } catch (const OperatorError& error) {
+        return error.what();
+    }
+    return {};
+}
+
+void expect_refused(const std::vector<const char*>& words, const char* says) {
+    EXPECT_NE(refused(words).find(says), std::string::npos) << "'" << refused(words) << "' lacks " << says;
+}
+
+TEST(CtlOptions, bad_winds_say_what_is_wrong) {
+    const auto is = [](std::vector<const char*> more, const char* says) {
+        expect_refused(wind_words(more), says);
+    };
+    EXPECT_EQ(refused(wind_words({})), "");
+    is({"--trains", "257"}, "--trains: 257 is not a number in 1 to 256");
+    is({"--trains", "nan"}, "--trains");
+    is({"--directions", "5"}, "does not divide --trains 16");
+    is({"--directions", "32"}, "does not divide");
+    is({"--spectrum", "jonswop"}, "--spectrum: jonswop not in {");
+    is({"--spectrum", "1"}, "--spectrum");
+    is({"--spreading", ""}, "--spreading");
+    is({"--reference-depth", "0.5"}, "1 to 12000");
+    is({"--reference-depth", "inf"}, "--reference-depth");
+    is({"--round", "nan"}, "--round: nan is not a number in 0 to 1");
+    is({"--irregular", "1.5"}, "--irregular: 1.5 is not a number in 0 to 1");
+    is({"--noise", "-0.5"}, "--noise");
+    is({"--noise", ""}, "--noise");
+    is({"--move-speed", "12"}, "--move-towards");
+    is({"--move-towards", "12"}, "--move-speed");
+    is({"--move-towards", "12", "--move-speed", "nan"}, "--move-speed");
+    is({"--move-towards", "12", "--move-speed", "101"}, "--move-speed");
+    is({"--at", "nan"}, "--at: nan");
+}
+
+TEST(CtlOptions, bad_ships_and_land_say_what_is_wrong) {
+    const auto ship = [](std::vector<const char*> more, const char* says) {
+        std::vector<const char*> words{"start-ship", "--from", "0,0", "--towards", "1", "--speed", "9"};
+        words.insert(words.end(), more.begin(), more.end());
+        expect_refused(words, says);
+    };
+    const std::string long_name(65, 'n');
+    ship({"--length", "501"}, "--length: 501 is not a number in 1 to 500");
+    ship({"--beam", "nan"}, "--beam");
+    ship({"--beam", "101"}, "--beam 101 is above --length 100");
+    ship({"--name", long_name.c_str()}, "64");
+    ship({"--name", "two\nlines"}, "control characters");
+    expect_refused({"start-ship", "--from", "0,0", "--towards", "1", "--speed", "0.4"}, "--speed");
+    expect_refused({"start-ship", "--from", "0,nan", "--towards", "1", "--speed", "9"}, "--from");
+    expect_refused({"start-ship", "--towards", "1", "--speed", "9"}, "--from is required");
+    expect_refused({"steer", "--towards", "1", "--speed", "9"}, "BOX is required");
+    expect_refused({"steer", "0", "--towards", "1", "--speed", "9"}, "BOX");
+    expect_refused({"steer", "3", "--towards", "361", "--speed", "9"}, "--towards");
+    expect_refused({"steer", "3", "--towards", "1"}, "--speed is required");
+    expect_refused({"breakwater"}, "2 to 64 points, not 0: give --point X,Z");
+    expect_refused({"breakwater", "--point", "1,2"}, "2 to 64 points, not 1");
+    expect_refused({"breakwater", "--point", "1,2", "--point", ""}, "--point");
+    expect_refused({"breakwater", "--point", "1,2", "--point", "3"}, "--point wants X,Z in metres");
+    expect_refused({"breakwater", "--point", "1,2", "--point", "3,nan"}, "--point wants X,Z");
+    expect_refused({"breakwater", "--point", "1,2", "--point", "3,4,5"}, "--point wants X,Z");
+    expect_refused({"breakwater", "--point", "1,2", "--point", "3,34000000"}, "--point wants X,Z");
+    expect_refused({"breakwater", "--point", "1,2", "--point", "3,4", "--width", "0"}, "--width");
+    expect_refused({"breakwater", "--point", "1,2", "--point", "3,4", "--crest", "nan"}, "--crest");
+    std::vector<const char*> many{"breakwater"};
+    for (int i = 0; i < 65; ++i) many.insert(many.end(), {"--point", "1,2"});
+    expect_refused(many, "2 to 64 points, not 65");
 }
 
 TEST(CtlOptions, bad_ones_throw) {
@@ -104,14 +230,56 @@ TEST(CtlReport, stages_of_a_box) {
 
 TEST(CtlReport, an_empty_list_and_a_deferral_are_said) {
     EXPECT_NE(report(BoxList{}, false).find("the sea is still"), std::string::npos);
-    CtlOptions options;
-    options.action = CtlStopWind{{4}, {}};
     CommandReply reply;
     reply.box = {4};
     reply.effective = {2'500'000};
-    EXPECT_EQ(report(reply, options, {-sea_time_bound}),
+    EXPECT_EQ(report(reply, StopWind{{4}}, {-sea_time_bound}, false),
               "box 4: the decay starts at sea time 2.500 s (00:00:02.500)\n");
-    EXPECT_NE(report(reply, options, {1'000'000}).find("deferred by 1.500 s"), std::string::npos);
+    EXPECT_NE(report(reply, StopWind{{4}}, {1'000'000}, false).find("deferred by 1.500 s"),
+              std::string::npos);
+    const auto said = [&](const CommandAction& action) {
+        return report(reply, action, {-sea_time_bound}, false);
+    };
+    EXPECT_EQ(said(SetRate{1U << 15}), "rate 0.5 from sea time 2.500 s (00:00:02.500) on\n");
+    EXPECT_EQ(said(Steer{}), "box 4: the new course holds from sea time 2.500 s (00:00:02.500) on\n");
+    EXPECT_EQ(said(StartShip{}), "box 4: the ship starts at sea time 2.500 s (00:00:02.500)\n");
+    EXPECT_EQ(said(ChangeLand{}), "the land changes at sea time 2.500 s (00:00:02.500)\n");
+    EXPECT_NE(report(reply, Steer{}, {0}, true).find("\"box\": 4"), std::string::npos);
+    EXPECT_EQ(report(reply, ChangeLand{}, {0}, true).find("\"box\""), std::string::npos);
+}
+
+TEST(CtlReport, moving_boxes_are_listed_with_place_and_course) {
+    BoxSummary ship;
+    ship.box = {7};
+    ship.name = "ferry";
+    ship.kind = BoxKind::ship;
+    ship.at = {-2'048'000, 1'024'512};
+    ship.vx = -3.0F;
+    ship.vz = 4.0F;
+    BoxSummary swell;
+    swell.box = {8};
+    swell.name = "swell";
+    const BoxList list{1, {5'000'000}, {ship, swell}, true};
+    const std::string table = report(list, false);
+    EXPECT_NE(table.find("KIND"), std::string::npos);
+    EXPECT_NE(table.find("-2000  1000        5.0    217°\n"), std::string::npos) << table;
+    EXPECT_NE(table.find("    0     0          -       -\n"), std::string::npos) << table;
+    const std::string json = report(list, true);
+    for (const char* part : {"\"kind\": \"ship\"", "\"x_m\": -2000.0", "\"z_m\": 1000.5", "\"vz_m_s\": 4.0"})
+        EXPECT_NE(json.find(part), std::string::npos) << part;
+    BoxSummary north = ship;
+    north.vx = 0.0F;
+    north.vz = -1.0F;
+    EXPECT_NE(report(BoxList{1, {}, {north}, true}, false).find("1.0      0°"), std::string::npos);
+}
+
+TEST(CtlReport, refusals_say_what_to_do) {
+    const auto said = [](ErrorCode code) { return refusal(CommandReply{1, code, "no", {}, {}, {}}); };
+    EXPECT_EQ(
+        said(ErrorCode::not_moving),
+        "the server refuses (605 world): no; ships and moving winds can be steered, trochoid-ctl list shows them");
+    EXPECT_NE(said(ErrorCode::no_terrain).find("606"), std::string::npos);
+    EXPECT_NE(said(ErrorCode::too_many_legs).find("409 resource"), std::string::npos);
 }
 
 TEST(ProbeOptions, regions_and_points) {

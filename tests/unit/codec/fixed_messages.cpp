@@ -17,7 +17,7 @@ ViewState fixed_view() {
 
 ClientHello client_hello() {
     ClientHello h;
-    h.protocol_min = h.protocol_max = h.model = 1;
+    h.protocol_min = h.protocol_max = h.model = 2;
     h.schema_hash = 0x0123456789abcdefULL;
     h.software = "golden client";
     h.world = "fj\xc3\xb8rd";
@@ -36,12 +36,59 @@ Command start_wind() {
     w.fetch = 20'480'000;
     w.width = 10'240'000;
     w.seed = 42;
+    w.spectrum = Spectrum::neumann;
+    w.spreading = Spreading::hasselmann;
+    w.directions = 4;
+    w.reference_depth = 12.5F;
+    w.roundness = 0.25F;
+    w.irregularity = 0.5F;
+    w.noise = 0.03125F;
+    w.vx = -15.0F;
+    w.vz = 2.5F;
     return {7, {1'000'000}, true, w};
+}
+
+ChangeLand breakwater() { return {{{1024, -2048}, {512'000, 0}, {600'000, 300'000}}, 12.5F, 4.0F, false}; }
+
+/// A box with all that a plain one is without; no sea of use.
+WaveTrainBox laden_box() {
+    WaveTrainBox b;
+    b.id = {12};
+    b.first_train = {301};
+    b.origin = {-1'000'000, 2'000'000};
+    b.length = 40'960'000;
+    b.width = 20'480'000;
+    b.begin = {7'000'000};
+    b.raised_us = 900'000'000;
+    b.fade_us = 10'000'000;
+    b.build_up_us = 600'000'000;
+    b.end = {7'200'000'000};
+    b.decay_us = 60'000'000;
+    b.roundness = 9000;
+    b.trains = {{40018, 8021, 1613943558211ULL, 77, 0.75F, 0.5F, {6}}};
+    b.overlays = {{{5}, {3}}, {{6}, {5}}};
+    b.course = {{{7'000'000}, 3'600'000'000, b.origin, 171'800, -85'900},
+                {{900'000'000}, 1'800'000'000, {0, 0}, 0, 171'800}};
+    b.irregular = {13107, 6000, 1200, -1500, 7000, 240'000'000'000ULL, 1U << 30, 3U << 30};
+    b.noise = {0.0625F, 30000, 4, 10, 20, false, 99};
+    return b;
+}
+
+WaveTrainBox ship_box() {
+    WaveTrainBox b;
+    b.id = {13};
+    b.first_train = {302};
+    b.length = 4'096'000;
+    b.width = 2'048'000;
+    b.begin = {8'000'000};
+    b.course = {{{8'000'000}, 3'600'000'000, {0, 0}, 171'800, 0}};
+    b.wake = {0.5F, 0.75F, 1.0F, 16'777'216, 85'900};
+    return b;
 }
 
 ServerHello server_hello() {
     ServerHello h;
-    h.protocol = h.model = 1;
+    h.protocol = h.model = 2;
     h.schema_hash = 0xfedcba9876543210ULL;
     h.software = "golden server";
     h.session = 99;
@@ -58,6 +105,13 @@ ServerHello server_hello() {
     h.origin_lat = 60.5;
     h.terrain = {-65536, 131072, 15, 513, 257, 5, -61440};
     return h;
+}
+
+/// The first and the last block of a field.
+void add_two_blocks(Delta& d, const LandField& field) {
+    const auto blocks = field.blocks();
+    for (const auto& block : {blocks.front(), blocks.back()})
+        d.change.blocks.push_back({field.id(), field.step_log2(), block, 0});
 }
 
 Delta delta() {
@@ -77,9 +131,9 @@ Delta delta() {
     const Sea sea = reference_sea();
     for (const auto& box : sea.boxes()) {
         d.change.boxes.push_back(std::make_shared<WaveTrainBox>(box->record));
-        for (const auto& field : box->fields)
-            for (const BlockKey key : {BlockKey{-2, -2}, BlockKey{0, 1}})
-                d.change.blocks.push_back({field->id(), field->step_log2(), field->share(key), 0});
+        for (const auto& top : box->fields)
+            for (const LandField* field = top.get(); field != nullptr; field = field->base().get())
+                add_two_blocks(d, *field);
     }
     d.change.patches = {{{16, -1, 7}, {{{1}, 2}, {{2}, 3}}, 0.125F, 0.25F},
                         {{20, 0, 0}, {{{2}, 1}}, 0.0F, 0.5F}};
@@ -87,6 +141,30 @@ Delta delta() {
     d.change.removed_blocks = {{{4}, {-3, 3}}};
     d.change.removed_patches = {{18, 5, -6}};
     return d;
+}
+
+Delta laden_delta() {
+    Delta d;
+    d.result = 6;
+    d.last = true;
+    d.base = 5;
+    d.key.anchor = fixed_view();
+    for (const WaveTrainBox& box : {laden_box(), ship_box()})
+        d.change.boxes.push_back(std::make_shared<WaveTrainBox>(box));
+    auto block = std::make_shared<LandBlock>();
+    block->key = {-1, 2};
+    for (size_t i = 0; i < block->orbit.size(); ++i) {
+        block->shift[i] = static_cast<int32_t>(100 * i);
+        block->gain[i] = static_cast<uint16_t>(unit_node_gain - 10 * i);
+        block->orbit[i] = static_cast<uint16_t>(unit_node_orbit + 20 * i);
+    }
+    d.change.blocks = {{{6}, 16, block, 0}};
+    return d;
+}
+
+BoxSummary summary() {
+    return {{13}, "MS M\xc3\xa5ke", {8'000'000}, end_of_time, 60'000'000, 0, 0.5F, 0.0F, 67.5F,
+            1.0F, BoxKind::ship,    {4096, 0},   10.0F,       -0.5F};
 }
 
 TerrainTiles tiles() {
@@ -111,13 +189,26 @@ SampleReply samples() {
 }  // namespace
 
 std::vector<FixedMessage> fixed_messages() {
-    const ClientMessage client[] = {client_hello(), ViewUpdate{2, fixed_view()}, Ack{5, 0x2222, 900, 0x3333},
-                                    start_wind()};
-    const char* client_names[] = {"hello", "view", "ack", "start_wind"};
+    const StartShip ship{{4096, -8192}, 67.5F, 10.0F, 120.0F, 18.0F, "MS M\xc3\xa5ke"};
+    const ClientMessage client[] = {client_hello(),
+                                    ViewUpdate{2, fixed_view()},
+                                    Ack{5, 0x2222, 900, 0x3333},
+                                    start_wind(),
+                                    Command{8, {2'000'000}, false, ship},
+                                    Command{9, {3'000'000}, false, Steer{{13}, 90.0F, 7.5F}},
+                                    Command{10, {4'000'000}, true, breakwater()}};
+    const char* client_names[] = {"hello", "view", "ack", "start_wind", "start_ship", "steer", "change_land"};
+    const BoxList list{4, {9'000'000}, {summary()}, true};
     const ServerMessage server[] = {
-        server_hello(), delta(), tiles(), samples(),
+        server_hello(),
+        delta(),
+        laden_delta(),
+        tiles(),
+        samples(),
+        list,
         Goodbye{ErrorCode::shutting_down, "come back in a second", true, 1000, 0, 0}};
-    const char* server_names[] = {"hello", "delta", "terrain_tile", "samples", "goodbye"};
+    const char* server_names[] = {"hello",    "delta",  "delta_of_laden_boxes", "terrain_tile", "samples",
+                                  "box_list", "goodbye"};
     std::vector<FixedMessage> all;
     for (size_t i = 0; i < std::size(client); ++i)
         all.push_back({"client", client_names[i], encode(client[i])});
@@ -128,6 +219,10 @@ std::vector<FixedMessage> fixed_messages() {
     all.push_back({"event", "box_started", encode(LogEvent{1, {3'000'000}, BoxStarted{box, "wind 1", {}}})});
     all.push_back({"event", "clock_changed",
                    encode(LogEvent{2, {5'000'000}, ClockChanged{{2, {5'000'000}, 123'456'789, 0}}})});
+    all.push_back({"event", "box_steered",
+                   encode(LogEvent{3, {900'000'000}, BoxSteered{{12}, laden_box().course[1]}})});
+    all.push_back({"event", "land_changed",
+                   encode(LogEvent{4, {7'000'000}, LandChanged{breakwater(), {{{3}, laden_box()}}}})});
     return all;
 }
 

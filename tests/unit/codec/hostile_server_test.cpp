@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "protocol/codec/codec.hpp"
+#include "protocol/codec/plane_coding.hpp"
 #include "server_generated.h"
 #include "tests/unit/codec/random_messages.hpp"
 
@@ -34,6 +35,8 @@ Delta full_delta() {
     Dice dice(31);
     Delta d = std::get<Delta>(random_server_message(dice, 2));
     d.change = random_change(dice, 2, 2, 3, 1);
+    // Not a ship: tests bend its trains.
+    d.change.boxes[0] = std::make_shared<WaveTrainBox>(random_box(dice, d.change.boxes[0]->id.value, 5));
     for (PatchDescriptor& p : d.change.patches) p.boxes = {{{1}, 2}, {{5}, 6}};
     return d;
 }
@@ -91,7 +94,8 @@ TEST(HostileServer, BoxesAndBlocksThatMayNotEnterTheSea) {
               ErrorCode::value_out_of_range);
     EXPECT_EQ(with_changed_box([](WaveTrainBox& b) { b.trains[0].kx = b.trains[0].kz = 0; }),
               ErrorCode::value_out_of_range);
-    EXPECT_EQ(with_changed_box([](WaveTrainBox& b) { b.trains.clear(); }), ErrorCode::value_out_of_range);
+    EXPECT_EQ(with_changed_box([](WaveTrainBox& b) { b.trains.clear(), b.noise = {}, b.wake = {}; }),
+              ErrorCode::value_out_of_range);
     EXPECT_EQ(with_changed_box([](WaveTrainBox& b) { b.ux = 0, b.uz = 0; }), ErrorCode::value_out_of_range);
     EXPECT_EQ(with_changed_box([](WaveTrainBox& b) { b.length = -1; }), ErrorCode::value_out_of_range);
     EXPECT_EQ(with_changed_box([](WaveTrainBox& b) { b.ramp_side = 0; }), ErrorCode::value_out_of_range);
@@ -102,6 +106,101 @@ TEST(HostileServer, BoxesAndBlocksThatMayNotEnterTheSea) {
                   d.change.blocks[0].block = std::make_shared<LandBlock>(torn);
               }),
               ErrorCode::value_out_of_range);
+}
+
+/// A ship, or a box with everything but a wake, changed.
+ErrorCode with_laden_box(bool ship, void (*change)(WaveTrainBox&)) {
+    return changed_delta([&](Delta& d) {
+        Dice dice(33);
+        WaveTrainBox box = ship ? random_ship(dice, 1) : random_box(dice, 1, 3);
+        if (!ship) {
+            box.roundness = full_roundness;
+            for (WaveTrain& t : box.trains) t.kx = 40000, t.kz = 3;
+            box.length = box.width = 1 << 20;
+            box.raised_us = box.fade_us = 1000;
+            box.overlays = {{{2}, {1}}, {{3}, {2}}};
+            box.course = {{{10}, 1000, {0, 0}, 1, 1}, {{20}, 1000, {5, 5}, 1, 1}};
+            box.origin = {0, 0};
+            box.irregular = {full_irregularity, 1, 1, 1, 1, 1, 1, 1};
+            box.noise = {1.0F, 1, 1, 9, 19, true, 1};
+        }
+        change(box);
+        d.change.boxes = {std::make_shared<WaveTrainBox>(box)};
+    });
+}
+
+TEST(HostileServer, WhatAPlainBoxIsWithoutIsCheckedToo) {
+    const auto is = [](ErrorCode code, void (*change)(WaveTrainBox&)) {
+        EXPECT_EQ(with_laden_box(false, change), code);
+    };
+    constexpr ErrorCode range = ErrorCode::value_out_of_range;
+    is(ErrorCode::none, [](WaveTrainBox&) {});
+    is(ErrorCode::none, [](WaveTrainBox& b) { b.trains.clear(); });
+    is(range, [](WaveTrainBox& b) { b.trains.clear(), b.noise = {}; });
+    is(range, [](WaveTrainBox& b) { b.roundness = full_roundness + 1; });
+    is(range, [](WaveTrainBox& b) { b.width = 0; });
+    is(range, [](WaveTrainBox& b) { b.raised_us = -1; });
+    is(range, [](WaveTrainBox& b) { b.raised_us = INT64_MAX; });
+    is(range, [](WaveTrainBox& b) { b.fade_us = -1; });
+    is(range, [](WaveTrainBox& b) { b.fade_us = INT64_MAX; });
+    is(range, [](WaveTrainBox& b) { b.overlays[0].base = {2}; });
+    is(range, [](WaveTrainBox& b) { b.overlays[1].base = {9}; });
+    is(range, [](WaveTrainBox& b) { b.overlays[1].field = {2}; });
+    is(range, [](WaveTrainBox& b) { b.overlays[0].base = {0}; });
+    is(range, [](WaveTrainBox& b) { b.overlays.resize(257, {{3}, {2}}); });
+    is(ErrorCode::too_many_legs, [](WaveTrainBox& b) {
+        b.course.clear();
+        for (int64_t i = 0; i < 65; ++i) b.course.push_back({{i}, 10, {0, 0}, 0, 0});
+    });
+    is(range, [](WaveTrainBox& b) { b.course[1].from = b.course[0].from; });
+    is(range, [](WaveTrainBox& b) { b.course[1].duration_us = -1; });
+    is(range, [](WaveTrainBox& b) { b.course[1].vx = INT32_MIN; });
+    is(range, [](WaveTrainBox& b) { b.course[1].origin.x = world_bound + 1; });
+    is(range, [](WaveTrainBox& b) { b.irregular.share = full_irregularity + 1; });
+    is(range, [](WaveTrainBox& b) { b.irregular.ukx = INT32_MIN; });
+    is(ErrorCode::not_finite, [](WaveTrainBox& b) { b.noise.amplitude = not_a_number; });
+    is(range, [](WaveTrainBox& b) { b.noise.amplitude = 33.0F; });
+    is(range, [](WaveTrainBox& b) { b.noise.octaves = 0; });
+    is(range, [](WaveTrainBox& b) { b.noise.octaves = 13; });
+    is(range, [](WaveTrainBox& b) { b.noise.octaves = 7; });
+    is(range, [](WaveTrainBox& b) { b.noise.step_log2 = 5; });
+    is(range, [](WaveTrainBox& b) { b.noise.step_log2 = 255; });
+    is(range, [](WaveTrainBox& b) { b.noise.period_log2 = 13; });
+    is(range, [](WaveTrainBox& b) { b.noise.period_log2 = 64; });
+}
+
+TEST(HostileServer, ShipsAreCheckedToo) {
+    const auto is = [](ErrorCode code, void (*change)(WaveTrainBox&)) {
+        EXPECT_EQ(with_laden_box(true, change), code);
+    };
+    constexpr ErrorCode range = ErrorCode::value_out_of_range;
+    is(ErrorCode::none, [](WaveTrainBox&) {});
+    is(range, [](WaveTrainBox& b) { b.wake = {}; });
+    is(ErrorCode::not_finite, [](WaveTrainBox& b) { b.wake.transverse = not_a_number; });
+    is(ErrorCode::not_finite, [](WaveTrainBox& b) { b.wake.diverging = not_a_number; });
+    is(ErrorCode::not_finite, [](WaveTrainBox& b) { b.wake.choppiness = not_a_number; });
+    is(range, [](WaveTrainBox& b) { b.wake.transverse = 33.0F; });
+    is(range, [](WaveTrainBox& b) { b.wake.diverging = -1.0F; });
+    is(range, [](WaveTrainBox& b) { b.wake.choppiness = 4.5F; });
+    is(range, [](WaveTrainBox& b) { b.wake.inverse_length = 1; });
+    is(range, [](WaveTrainBox& b) { b.wake.inverse_length = UINT32_MAX; });
+    is(range, [](WaveTrainBox& b) { b.wake.group_speed = 0; });
+    is(range, [](WaveTrainBox& b) { b.wake.group_speed = UINT32_MAX; });
+}
+
+TEST(HostileServer, OrbitsThatAreAllOneMayNotBeWritten) {
+    Delta d = full_delta();
+    LandBlock plain;
+    plain.gain.fill(20000);
+    Bytes nodes = code_nodes(plain);
+    const size_t without = nodes.size();
+    append_plane(nodes, std::span<const uint16_t>(plain.orbit), block_nodes);
+    LandBlock back;
+    ASSERT_TRUE(read_nodes(std::span(nodes).first(without), back));
+    EXPECT_EQ(back, plain);
+    const auto result = read_nodes(nodes, back);
+    ASSERT_FALSE(result);
+    EXPECT_EQ(result.error().code, ErrorCode::value_out_of_range);
 }
 
 TEST(HostileServer, DeltasWhoseListsDoNotBelongTogether) {
@@ -267,6 +366,17 @@ TEST(HostileServer, TilesAndReplies) {
     BoxSummary nameless;
     nameless.name = "two\nlines";
     EXPECT_EQ(refusal(ServerMessage{BoxList{1, {}, {nameless}, true}}), ErrorCode::value_out_of_range);
+    const auto summary = [](auto change) {
+        BoxSummary s;
+        change(s);
+        return refusal(ServerMessage{BoxList{1, {}, {s}, true}});
+    };
+    EXPECT_EQ(summary([](BoxSummary& s) { s.kind = BoxKind::noise; }), ErrorCode::none);
+    EXPECT_EQ(summary([](BoxSummary& s) { s.kind = static_cast<BoxKind>(4); }),
+              ErrorCode::value_out_of_range);
+    EXPECT_EQ(summary([](BoxSummary& s) { s.at.z = world_bound + 1; }), ErrorCode::value_out_of_range);
+    EXPECT_EQ(summary([](BoxSummary& s) { s.vx = not_a_number; }), ErrorCode::not_finite);
+    EXPECT_EQ(summary([](BoxSummary& s) { s.vz = not_a_number; }), ErrorCode::not_finite);
 }
 
 TEST(HostileServer, EveryCodeOfTheStandardTravels) {
@@ -277,7 +387,7 @@ TEST(HostileServer, EveryCodeOfTheStandardTravels) {
         if (refusal(ServerMessage{g}) == ErrorCode::none) ++known;
     }
     // As many as ErrorCode has; a new one needs the schema's enum Code as well.
-    EXPECT_EQ(known, 34);
+    EXPECT_EQ(known, 37);
     for (const ErrorCode code : {ErrorCode::base_mismatch, ErrorCode::queue_overflow, ErrorCode::too_late,
                                  ErrorCode::internal_error})
         EXPECT_EQ(refusal(ServerMessage{Goodbye{code, "x", false, 0, 0, 0}}), ErrorCode::none);

@@ -69,9 +69,10 @@ TEST(PlaneCoding, OnlyTheOneShortestFormIsRead) {
     EXPECT_FALSE(readable({0xff, 0xff, 0x07, 0, 2})) << "a value beyond int16";
 }
 
-TEST(PlaneCoding, ASmoothBlockTakesAFewHundredBytesAndTheWorstStaysBelow2500) {
+TEST(PlaneCoding, ASmoothBlockTakesAFewHundredBytesAndTheWorstStaysBelow3400) {
     LandBlock smooth;
     LandBlock worst;
+    LandBlock shoal;
     for (int i = 0; i < block_nodes * block_nodes; ++i) {
         const int x = i % block_nodes;
         const int z = i / block_nodes;
@@ -80,12 +81,17 @@ TEST(PlaneCoding, ASmoothBlockTakesAFewHundredBytesAndTheWorstStaysBelow2500) {
         smooth.gain[at] = static_cast<uint16_t>(unit_node_gain + 20 * x * x - 7 * z * z);
         worst.shift[at] = (x + z) % 2 == 0 ? 4194303 : -4194303;
         worst.gain[at] = (x + z) % 2 == 0 ? 65535 : 0;
+        shoal.orbit[at] = static_cast<uint16_t>(unit_node_orbit + 9 * x * x + 5 * z);
+        worst.orbit[at] = (x + z) % 2 == 0 ? 65535 : 0;
     }
     ASSERT_TRUE(validate(smooth));
     ASSERT_TRUE(validate(worst));
     EXPECT_LT(code_nodes(smooth).size(), 640U);
-    EXPECT_LT(code_nodes(worst).size(), 2500U);
-    for (const LandBlock& block : {smooth, worst}) {
+    EXPECT_LT(code_nodes(worst).size(), 3400U);
+    shoal.shift = smooth.shift;
+    shoal.gain = smooth.gain;
+    EXPECT_LT(code_nodes(shoal).size(), code_nodes(smooth).size() + 330U) << "orbits";
+    for (const LandBlock& block : {smooth, worst, shoal}) {
         LandBlock back;
         ASSERT_TRUE(read_nodes(code_nodes(block), back));
         EXPECT_EQ(back, block);

@@ -60,9 +60,31 @@ StartWind wind(Dice& d) {
     w.fetch = d.between(0, longest_side);
     w.width = d.between(0, longest_side);
     w.life_us = d.between(0, sea_time_bound);
-    w.trains = static_cast<uint16_t>(d.between(1, 64));
+    w.trains = static_cast<uint16_t>(d.between(1, 64) * 4);
     w.seed = d.bits();
+    w.spectrum = static_cast<Spectrum>(d.between(0, 3));
+    w.spreading = static_cast<Spreading>(d.between(0, 2));
+    w.directions = static_cast<uint16_t>(d.coin() ? 0 : 1 << d.between(0, 2));
+    w.reference_depth = d.coin() ? 0.0F : d.real(1.0F, 12000.0F);
+    w.roundness = d.real(0.0F, 1.0F);
+    w.irregularity = d.real(0.0F, 1.0F);
+    w.noise = d.real(0.0F, 1.0F);
+    w.vx = d.real(-70.0F, 70.0F);
+    w.vz = d.real(-70.0F, 70.0F);
     return w;
+}
+
+StartShip ship(Dice& d) {
+    StartShip s{place(d), d.real(0.0F, 359.9F), d.real(0.5F, 30.0F), d.real(1.0F, 500.0F), 0.0F, text(d, 64)};
+    if (d.coin()) s.beam = s.length * d.real(0.0F, 1.0F);
+    return s;
+}
+
+ChangeLand land_change(Dice& d) {
+    ChangeLand c{{}, d.real(1.0F, 2000.0F), d.real(-200.0F, 200.0F), d.coin()};
+    c.line.resize(static_cast<size_t>(d.between(2, 64)));
+    for (LatticePoint& p : c.line) p = place(d);
+    return c;
 }
 
 SeaClock clock(Dice& d) {
@@ -83,8 +105,11 @@ Goodbye goodbye(Dice& d) {
 
 Command command(Dice& d) {
     Command c{d.any<uint32_t>(), sea_time(d), d.coin(), ListBoxes{}};
-    switch (d.between(0, 3)) {
+    switch (d.between(0, 6)) {
         case 0: c.action = wind(d); break;
+        case 3: c.action = ship(d); break;
+        case 4: c.action = Steer{{d.any<uint32_t>()}, d.real(0.0F, 359.9F), d.real(0.0F, 100.0F)}; break;
+        case 5: c.action = land_change(d); break;
         case 1: c.action = StopWind{{d.any<uint32_t>()}}; break;
         case 2: c.action = SetRate{static_cast<uint32_t>(d.between(0, 16 << 16))}; break;
         default: break;
@@ -174,9 +199,20 @@ TerrainTile tile(Dice& d) {
 }
 
 BoxSummary summary(Dice& d) {
-    return {{d.any<uint32_t>()},          text(d, 256),      sea_time(d),         sea_time(d),
-            d.between(0, sea_time_bound), d.any<uint16_t>(), d.real(0.0F, 20.0F), d.real(0.0F, 40.0F),
-            d.real(0.0F, 360.0F),         d.real(0.0F, 1.0F)};
+    return {{d.any<uint32_t>()},
+            text(d, 256),
+            sea_time(d),
+            sea_time(d),
+            d.between(0, sea_time_bound),
+            d.any<uint16_t>(),
+            d.real(0.0F, 20.0F),
+            d.real(0.0F, 40.0F),
+            d.real(0.0F, 360.0F),
+            d.real(0.0F, 1.0F),
+            static_cast<BoxKind>(d.between(0, 3)),
+            place(d),
+            d.real(-100.0F, 100.0F),
+            d.real(-100.0F, 100.0F)};
 }
 
 SurfaceSample sample(Dice& d) {
@@ -198,7 +234,90 @@ std::vector<T> list(Dice& d, int64_t most, Make make) {
     return out;
 }
 
+CourseLeg leg(Dice& d, SeaTime from) {
+    const auto near = [&] { return d.between(-(int64_t{1} << 34), int64_t{1} << 34); };
+    // Below 2^34 lattice units: it ends inside the world.
+    return {from,
+            d.between(0, int64_t{1} << 36),
+            {near(), near()},
+            static_cast<int32_t>(d.between(-(1 << 20), 1 << 20)),
+            static_cast<int32_t>(d.between(-(1 << 20), 1 << 20))};
+}
+
+std::vector<CourseLeg> course(Dice& d, int64_t legs) {
+    std::vector<CourseLeg> out;
+    for (SeaTime from{d.between(-1000, 1000)}; legs > 0; --legs) {
+        out.push_back(leg(d, from));
+        from = from + d.between(1, int64_t{1} << 40);
+    }
+    return out;
+}
+
+IrregularHeight irregular(Dice& d) {
+    const auto k = [&] { return static_cast<int32_t>(d.between(1, INT32_MAX)); };
+    return {static_cast<uint16_t>(d.between(0, full_irregularity)),
+            k(),
+            -k(),
+            k(),
+            k(),
+            d.bits(),
+            d.any<uint32_t>(),
+            d.any<uint32_t>()};
+}
+
+SurfaceNoise noise(Dice& d) {
+    const auto octaves = d.between(1, 12);
+    return {d.coin() ? 0.0F : d.real(0.001F, 32.0F),
+            d.any<uint16_t>(),
+            static_cast<uint8_t>(octaves),
+            static_cast<uint8_t>(d.between(std::max(int64_t{6}, octaves + 3), 20)),
+            static_cast<uint8_t>(d.between(std::max(int64_t{14}, octaves + 11), 40)),
+            d.coin(),
+            d.any<uint32_t>()};
+}
+
+ShipWake wake(Dice& d) {
+    return {d.real(0.001F, 32.0F), d.real(0.001F, 32.0F), d.real(0.0F, 4.0F),
+            static_cast<uint32_t>(d.between(1 << 20, int64_t{1} << 31)),
+            static_cast<uint32_t>(d.between(1, fastest_leg))};
+}
+
+/// Each of the things that a plain box is without, or not.
+void add_extras(Dice& d, WaveTrainBox& b) {
+    if (d.coin()) {
+        b.roundness = static_cast<uint16_t>(d.between(0, full_roundness));
+        for (WaveTrain& t : b.trains) t.kx = t.kx % (1 << 20) + 1, t.kz %= 1 << 20;  // of 1 m and more
+    }
+    if (d.coin()) b.raised_us = d.between(0, sea_time_bound - std::max(b.begin.us, int64_t{0}));
+    if (d.coin()) b.fade_us = d.between(0, int64_t{1} << 39);
+    if (d.coin())
+        for (uint32_t field = 2; field <= 3; ++field) b.overlays.push_back({{field}, {field - 1}});
+    if (d.coin()) b.course = course(d, d.coin() ? 1 : d.between(2, 64));
+    if (d.coin()) b.irregular = irregular(d);
+    if (d.coin()) b.noise = noise(d);
+    if (!b.course.empty()) b.origin = b.course.front().origin;
+}
+
 }  // namespace
+
+WaveTrainBox random_ship(Dice& d, uint32_t id) {
+    WaveTrainBox b;
+    b.id = {id};
+    b.first_train = {static_cast<uint32_t>(d.between(1, 1 << 30))};
+    b.length = d.between(1 << 20, longest_side);
+    b.width = d.between(1 << 20, longest_side);
+    b.begin = {d.between(0, 1'000'000)};
+    b.end = {d.between(b.begin.us, sea_time_bound)};
+    b.decay_us = d.between(0, int64_t{1} << 39);
+    CourseLeg along = leg(d, b.begin);
+    along.vx = static_cast<int32_t>(d.between(1, 1 << 20));
+    along.vz = 0;
+    b.course = {along};
+    b.origin = along.origin;
+    b.wake = wake(d);
+    b.wake.group_speed = static_cast<uint32_t>(along.vx) / 2 + 1;
+    return b;
+}
 
 WaveTrainBox random_box(Dice& d, uint32_t id, size_t trains) {
     WaveTrainBox b;
@@ -207,7 +326,7 @@ WaveTrainBox random_box(Dice& d, uint32_t id, size_t trains) {
     b.origin = place(d);
     if (d.coin()) b.ux = 858'993'459, b.uz = -644'245'094;  // (0.8, -0.6)
     b.length = d.between(0, longest_side);
-    b.width = d.between(0, longest_side);
+    b.width = d.between(1 << 12, longest_side);
     b.ramp_rear = static_cast<int32_t>(d.between(shortest_ramp, longest_side));
     b.ramp_front = static_cast<int32_t>(d.between(shortest_ramp, longest_side));
     b.ramp_side = static_cast<int32_t>(d.between(shortest_ramp, longest_side));
@@ -229,6 +348,7 @@ WaveTrainBox random_box(Dice& d, uint32_t id, size_t trains) {
         if (land) t.field = {static_cast<uint32_t>(d.between(0, 3))};
         b.trains.push_back(t);
     }
+    if (d.coin()) add_extras(d, b);
     return b;
 }
 
@@ -245,6 +365,10 @@ LandBlock random_block(Dice& d, BlockKey key) {
         b.gain[at] =
             d.between(0, 9) == 0 ? d.any<uint16_t>() : static_cast<uint16_t>(unit_node_gain + 50 * x * z);
     }
+    if (d.coin())
+        for (size_t i = 0; i < b.orbit.size(); ++i)
+            b.orbit[i] =
+                d.between(0, 9) == 0 ? d.any<uint16_t>() : static_cast<uint16_t>(unit_node_orbit + 9 * i);
     return b;
 }
 
@@ -253,8 +377,9 @@ InterestDelta random_change(Dice& d, size_t boxes, size_t blocks, size_t patches
     uint32_t id = 0;
     for (size_t i = 0; i < boxes; ++i) {
         id += static_cast<uint32_t>(d.between(1, 1000));
-        c.boxes.push_back(
-            std::make_shared<WaveTrainBox>(random_box(d, id, static_cast<size_t>(d.between(1, 64)))));
+        const bool ship = d.between(0, 5) == 0;
+        c.boxes.push_back(std::make_shared<WaveTrainBox>(
+            ship ? random_ship(d, id) : random_box(d, id, static_cast<size_t>(d.between(1, 256)))));
     }
     for (size_t i = 0; i < blocks; ++i) {
         const auto step = static_cast<uint8_t>(d.between(12, 20));
@@ -346,6 +471,14 @@ LogEvent random_event(Dice& d, size_t index) {
         e.what = BoxStarted{random_box(d, d.any<uint32_t>() | 1U, static_cast<size_t>(d.between(1, 256))),
                             text(d, 256), wind(d)};
     if (index == 2) e.what = ClockChanged{clock(d)};
+    if (index == 3) e.what = BoxSteered{{d.any<uint32_t>()}, leg(d, sea_time(d))};
+    if (index == 4) {
+        LandChanged changed{land_change(d), {}};
+        for (uint32_t i = 1; i < 5; ++i)
+            changed.boxes.push_back(
+                {{10 * i}, random_box(d, 100 + i, static_cast<size_t>(d.between(1, 40)))});
+        e.what = changed;
+    }
     return e;
 }
 

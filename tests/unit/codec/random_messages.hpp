@@ -35,9 +35,12 @@ ServerMessage random_server_message(Dice& dice, size_t index);
 LogEvent random_event(Dice& dice, size_t index);
 inline constexpr size_t client_kinds = std::variant_size_v<ClientMessage>;
 inline constexpr size_t server_kinds = std::variant_size_v<ServerMessage>;
-inline constexpr size_t event_kinds = 3;
+inline constexpr size_t event_kinds = 5;
 
+/// Half of them plain, half with some of all that a box may have besides.
 WaveTrainBox random_box(Dice& dice, uint32_t id, size_t trains);
+/// A ship's box: no trains, one leg along u, a wake.
+WaveTrainBox random_ship(Dice& dice, uint32_t id);
 LandBlock random_block(Dice& dice, BlockKey key);
 InterestDelta random_change(Dice& dice, size_t boxes, size_t blocks, size_t patches, size_t removals);
 

@@ -75,14 +75,49 @@ TEST(RoundTrip, ABoxWhereEveryTrainHasItsOwnField) {
     EXPECT_EQ(*back, event);
 }
 
+WaveTrainBox plain_box(Dice& dice, size_t trains) {
+    const WaveTrainBox any = random_box(dice, 7, trains);
+    WaveTrainBox box;
+    box.id = any.id;
+    box.first_train = any.first_train;
+    box.trains = any.trains;
+    for (WaveTrain& train : box.trains) train.field = {};
+    return box;
+}
+
 TEST(RoundTrip, ATrainRecordTakes28Bytes) {
     Dice dice(5);
     const auto size_of = [&](size_t trains) {
-        WaveTrainBox box = random_box(dice, 7, trains);
-        for (WaveTrain& train : box.trains) train.field = {};
-        return encode(LogEvent{1, {}, BoxStarted{box, "swell", {}}}).size();
+        return encode(LogEvent{1, {}, BoxStarted{plain_box(dice, trains), "swell", {}}}).size();
     };
     EXPECT_EQ(size_of(102) - size_of(2), 2800U);
+}
+
+/// What a change of a plain box of three trains adds to its event.
+template <class Change>
+size_t added_bytes(Change change) {
+    Dice dice(6);
+    WaveTrainBox box = plain_box(dice, 3);
+    const size_t plain = encode(LogEvent{1, {}, BoxStarted{box, "swell", {}}}).size();
+    change(box);
+    return encode(LogEvent{1, {}, BoxStarted{box, "swell", {}}}).size() - plain;
+}
+
+/// The byte costs that the standard states (chapter 10).
+TEST(RoundTrip, ABoxPaysForWhatItHas) {
+    EXPECT_EQ(added_bytes([](WaveTrainBox& b) { b.roundness = 1; }), 0U);
+    EXPECT_LE(added_bytes([](WaveTrainBox& b) { b.fade_us = 1; }), 16U + 8U);
+    EXPECT_LE(added_bytes([](WaveTrainBox& b) { b.overlays = {{{2}, {1}}}; }), 8U + 8U + 8U);
+    EXPECT_LE(added_bytes([](WaveTrainBox& b) { b.course.resize(1); }), 40U + 8U + 12U);
+    EXPECT_LE(added_bytes([](WaveTrainBox& b) { b.irregular.share = 1; }), 36U + 12U);
+    EXPECT_LE(added_bytes([](WaveTrainBox& b) { b.noise.seed = 1; }), 16U + 16U);
+    EXPECT_LE(added_bytes([](WaveTrainBox& b) { b.wake.group_speed = 1; }), 20U + 16U);
+    const auto legs = [](size_t n) { return added_bytes([n](WaveTrainBox& b) { b.course.resize(n); }); };
+    EXPECT_EQ(legs(64) - legs(2), 62U * 40U);
+    const auto overlays = [](size_t n) {
+        return added_bytes([n](WaveTrainBox& b) { b.overlays.resize(n); });
+    };
+    EXPECT_EQ(overlays(256) - overlays(2), 254U * 8U);
 }
 
 TEST(RoundTrip, SentencesAreCutAtACharactersBorderAndLoseControlCharacters) {

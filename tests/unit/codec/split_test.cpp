@@ -94,11 +94,23 @@ TEST(Split, TheLargestBoxTheRoughestBlockAndTheBusiestPatchFitAlone) {
     Dice dice(24);
     const Delta header = header_with_regions(dice);
     InterestDelta change;
-    change.boxes.push_back(std::make_shared<WaveTrainBox>(random_box(dice, 9, 256)));
+    WaveTrainBox largest = random_box(dice, 9, 256);
+    for (uint32_t i = 0; i < 256; ++i) largest.trains[i].field = {300 + i};
+    largest.overlays.clear();
+    for (uint32_t i = 0; i < 256; ++i) largest.overlays.push_back({{300 + i}, {1 + i}});
+    largest.raised_us = largest.fade_us = 1;
+    largest.course.clear();
+    for (int64_t i = 0; i < 64; ++i) largest.course.push_back({{i}, 1, {0, 0}, 0, 0});
+    largest.origin = {0, 0};
+    largest.irregular = {1, 1, 1, 1, 1, 1, 1, 1};
+    largest.noise.amplitude = 1.0F;
+    ASSERT_TRUE(validate(largest)) << validate(largest).error().message;
+    change.boxes.push_back(std::make_shared<WaveTrainBox>(largest));
     LandBlock rough;
     for (size_t i = 0; i < rough.shift.size(); ++i) {
         rough.shift[i] = static_cast<int32_t>(dice.between(-4194303, 4194303));
         rough.gain[i] = dice.any<uint16_t>();
+        rough.orbit[i] = dice.any<uint16_t>();
     }
     ASSERT_TRUE(validate(rough));
     change.blocks.push_back({{1}, 16, std::make_shared<LandBlock>(rough), 0});
@@ -118,7 +130,7 @@ TEST(Split, ABlockComesWithTheFirstPatchOverIt) {
     // A block of step 2^16 spans 2^20, so block x lies under patch x and touches its neighbours' edges.
     const Delta header = header_with_regions(dice);
     const std::vector<Delta> pieces =
-        split(header, change, encode(ServerMessage{header}).size() + 240 + 2500);
+        split(header, change, encode(ServerMessage{header}).size() + 240 + 3500);
     ASSERT_FALSE(pieces.empty());
     EXPECT_EQ(pieces.front().change.blocks.front().block->key.x, 0);
 }

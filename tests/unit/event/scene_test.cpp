@@ -1,53 +1,12 @@
 #include "server/event/scene.hpp"
 
-#include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include <filesystem>
-#include <fstream>
-
 #include "protocol/units/operator_error.hpp"
+#include "tests/unit/event/scene_file.hpp"
 
 namespace trochoid {
 namespace {
-
-namespace fs = std::filesystem;
-
-/// A scene file in a folder of its own that goes with it.
-class SceneFile {
-public:
-    explicit SceneFile(const std::string& text) {
-        const auto* test = testing::UnitTest::GetInstance()->current_test_info();
-        folder_ = fs::temp_directory_path() / fmt::format("trochoid-{}-{}-{}", test->name(),
-                                                          testing::UnitTest::GetInstance()->random_seed(),
-                                                          static_cast<const void*>(this));
-        fs::create_directories(folder_);
-        std::ofstream(path()) << text;
-        std::ofstream(folder_ / "some.terrain") << "x";
-    }
-    SceneFile(const SceneFile&) = delete;
-    SceneFile& operator=(const SceneFile&) = delete;
-    ~SceneFile() { fs::remove_all(folder_); }
-    fs::path path() const { return folder_ / "scene.toml"; }
-    fs::path folder() const { return folder_; }
-
-private:
-    fs::path folder_;
-};
-
-std::string error_of(const std::string& text) {
-    const SceneFile file(text);
-    try {
-        load_scene(file.path());
-    } catch (const OperatorError& error) {
-        std::string message = error.what();
-        const std::string start = file.path().string() + ":";
-        EXPECT_EQ(message.rfind(start, 0), 0U) << message << " does not begin with the file's name";
-        return message.substr(start.size());
-    }
-    ADD_FAILURE() << "was accepted:\n" << text;
-    return {};
-}
 
 const std::string wind_text =
     "name = 'test'\n"
@@ -78,7 +37,8 @@ TEST(Scene, ReadsEveryKey) {
         "terrain = 'some.terrain'\n"
         "[clock]\nstart_s = 12.5\nrate = 2.5\n"
         "[land]\nnode_step_m = 128\nrefraction = 'straight'\nshoaling = 'paper'\nrecovery_m = 900\n"
-        "depth_min_m = 2\nbreaking_ratio = 0\nspread = 0.1\n"
+        "depth_min_m = 2\nbreaking_ratio = 0\nspread = 0.1\nrun_up_m = 1.5\nshore_decrease = 0.5\n"
+        "diffraction = 'parabolic'\nshallow_orbits = true\n"
         "[[wind]]\nname = 'w'\nspeed = 8.5\ntowards = 270\norigin = [1, -2]\nfetch_m = 4000\nwidth_m = 800\n"
         "life_s = 600\nbegin_s = -1800\ntrains = 24\nseed = 99\n"
         "[[box]]\nname = 'b'\ntowards = 10\norigin = [3.5, 4]\nlength_m = 700\nwidth_m = 300\nramp_rear_m = 20\n"
@@ -90,12 +50,21 @@ TEST(Scene, ReadsEveryKey) {
     EXPECT_EQ(scene.terrain, file.folder() / "some.terrain");
     EXPECT_EQ(scene.clock_start, SeaTime{12'500'000});
     EXPECT_EQ(scene.rate_q16, 5U << 15);
-    const SceneLand land{17, SceneLand::Refraction::straight, SceneLand::Shoaling::paper, 2.0, 0.0, 900.0,
-                         0.1};
+    const SceneLand land{17,
+                         SceneLand::Refraction::straight,
+                         SceneLand::Shoaling::paper,
+                         2.0,
+                         0.0,
+                         900.0,
+                         0.1,
+                         1.5,
+                         0.5,
+                         SceneLand::Diffraction::parabolic,
+                         true};
     EXPECT_EQ(scene.land, land);
     ASSERT_EQ(scene.winds.size(), 1U);
     const StartWind wind{8.5F, 270.0F, {1024, -2048}, 4000 * 1024, 800 * 1024, 600'000'000, 24, 99};
-    EXPECT_EQ(scene.winds[0], (SceneWind{"w", wind, {-1'800'000'000}}));
+    EXPECT_EQ(scene.winds[0], (SceneWind{"w", wind, {-1'800'000'000}, {}}));
     ASSERT_EQ(scene.boxes.size(), 1U);
     const SceneBox box{"b",          10.0,
                        {3584, 4096}, 700 * 1024,
@@ -136,28 +105,6 @@ TEST(Scene, FilesThatCannotBeReadSayWhatToDo) {
     EXPECT_NE(error_of(std::string(2U << 20, ' ')).find("at most"), std::string::npos);
 }
 
-struct Complaint {
-    std::string from;  ///< text of the good scene that is replaced
-    std::string to;
-    std::vector<std::string> says;
-};
-
-void expect_complaints(const std::string& good, const std::vector<Complaint>& complaints) {
-    {
-        const SceneFile file(good);
-        ASSERT_NO_THROW(load_scene(file.path()));
-    }
-    for (const Complaint& c : complaints) {
-        std::string text = good;
-        const size_t at = text.find(c.from);
-        ASSERT_NE(at, std::string::npos) << c.from;
-        text.replace(at, c.from.size(), c.to);
-        const std::string message = error_of(text);
-        for (const std::string& word : c.says)
-            EXPECT_NE(message.find(word), std::string::npos) << message << "\nlacks " << word;
-    }
-}
-
 TEST(Scene, EveryBadWindIsNamedByLineKeyAndRange) {
     expect_complaints(
         wind_text,
@@ -184,7 +131,7 @@ TEST(Scene, EveryBadWindIsNamedByLineKeyAndRange) {
          {"width_m = 500", "width_m = 500\nlife_s = 0.5", {"9: 'life_s'", "at least 1 s"}},
          {"width_m = 500", "width_m = 500\nlife_s = -1", {"9: 'life_s'", "is -1"}},
          {"width_m = 500", "width_m = 500\nbegin_s = 1e12", {"9: 'begin_s'", "3.2e+10 s"}},
-         {"width_m = 500", "width_m = 500\ntrains = 65", {"9: 'trains'", "is 65", "1 to 64"}},
+         {"width_m = 500", "width_m = 500\ntrains = 257", {"9: 'trains'", "is 257", "1 to 256"}},
          {"width_m = 500", "width_m = 500\ntrains = 1.5", {"9: 'trains'", "not a whole number"}},
          {"width_m = 500", "width_m = 500\nseed = 0", {"9: 'seed'", "is 0"}},
          {"width_m = 500", "width_m = 500\nfetch = 3", {"9: unknown key 'fetch' of wind 'west'", "fetch_m"}},
@@ -203,16 +150,22 @@ TEST(Scene, EveryBadClockAndLandIsNamed) {
          {"'eikonal'",
           "'snell'",
           {"6: 'refraction'", "\"snell\"", "\"none\" or \"phase_shift\" or \"straight\" or \"eikonal\""}},
-         {"'linear'", "true", {"7: 'shoaling'", "\"paper\" or \"linear\""}},
+         {"'linear'", "true", {"7: 'shoaling'", "\"paper\" or \"linear\" or \"decrease\" or \"none\""}},
          {"recovery_m = 10", "recovery_m = 0", {"8: 'recovery_m'", "1 to 100000 m"}},
          {"recovery_m = 10", "breaking_ratio = 0.05", {"8: 'breaking_ratio'", "0.1 to 2"}},
          {"recovery_m = 10", "spread = 1", {"8: 'spread'", "0 to 0.5"}},
+         {"recovery_m = 10", "run_up_m = 11", {"8: 'run_up_m'", "0 to 10 m"}},
+         {"recovery_m = 10", "shore_decrease = 2", {"8: 'shore_decrease'", "0 to 1"}},
+         {"recovery_m = 10", "shallow_orbits = 1", {"8: 'shallow_orbits'", "true"}},
+         {"recovery_m = 10",
+          "diffraction = true",
+          {"8: 'diffraction'", "\"none\" or \"wedge\" or \"parabolic\""}},
          {"recovery_m = 10", "depth_min_m = 0", {"8: 'depth_min_m'", "0.1 to 100 m"}}});
 }
 
 TEST(Scene, EveryBadBoxIsNamed) {
     std::string many;
-    for (int i = 0; i < 64; ++i)
+    for (int i = 0; i < 256; ++i)
         many += "[[box.train]]\nwavelength_m = 50\ntowards = 50\namplitude_m = 0.01\n";
     expect_complaints(
         box_text,
@@ -231,7 +184,7 @@ TEST(Scene, EveryBadBoxIsNamed) {
          {"amplitude_m = 0.5", "amplitude_m = 0.5\nphase = 0.5", {"12: unknown key 'phase'"}},
          {"amplitude_m = 0.5\n",
           "amplitude_m = 0.5\n" + many,
-          {"'train' of box 'b' is there 65 times", "1 to 64"}},
+          {"'train' of box 'b' is there 257 times", "1 to 256"}},
          {"[[box.train]]\nwavelength_m = 50\ntowards = 50\namplitude_m = 0.5\n",
           "",
           {"2: 'train' of box 'b'", "0 times"}}});

@@ -39,7 +39,8 @@ TEST(ImportProgram, HelpAndVersion) {
     for (const char* word : {"raster", "coast", "info", "picture"})
         EXPECT_NE(help.text.find(word), std::string::npos) << word;
     const Outcome raster_help = run_import(folder, "raster --help");
-    for (const char* word : {"--origin", "--positive", "--nodata", "--open-depth", "--spacing", "--extent"})
+    for (const char* word : {"--origin", "--positive", "--nodata", "--open-depth", "--spacing", "--extent",
+                             "--variable", "height_scale"})
         EXPECT_NE(raster_help.text.find(word), std::string::npos) << word;
     const Outcome version = run_import(folder, "--version");
     EXPECT_EQ(version.code, 0);
@@ -124,6 +125,21 @@ TEST(ShippedCoast, PlacesAreWhereTheyAre) {
         std::count_if(grid.heights.begin(), grid.heights.end(), [](int16_t h) { return h > 0; });
     // The polygons' area by the shoelace formula is 22.5 square kilometres.
     EXPECT_NEAR(static_cast<double>(land) * 0.032 * 0.032, 22.5, 0.5);
+}
+
+TEST(ShippedGrounds, TheShippedPicturesMakeTheShippedTerrains) {
+    const ScratchFolder folder;
+    const std::string grounds = std::string(TROCHOID_SOURCE_DIR) + "/server/scenes/grounds/";
+    for (const char* name : {"beach", "island", "harbour"}) {
+        const TerrainGrid shipped = read_terrain(grounds + name + ".terrain");
+        const std::string out = (folder / "again.terrain").string();
+        const int metres = static_cast<int>(shipped.columns - 1) * 16;
+        const Outcome run = run_import(folder, "raster '" + grounds + name + ".png' --out '" + out +
+                                                   "' --origin 0,0 --spacing 16 --extent " +
+                                                   std::to_string(metres) + "," + std::to_string(metres));
+        ASSERT_EQ(run.code, 0) << run.text;
+        EXPECT_EQ(read_terrain(out), shipped) << name;
+    }
 }
 
 TEST(ShippedCoast, InfoAndPicture) {

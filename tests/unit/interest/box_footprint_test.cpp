@@ -51,7 +51,7 @@ TEST(BoxFootprint, SeparatesAnObliqueBoxWhoseBoundingSquareOverlaps) {
     WorldState world;
     world.boxes[{1}] = sample_box(what, dice);
     const InterestIndex index(world);
-    const BoxFootprint f = whole_footprint(*index.boxes()[0], {0, 0});
+    const BoxFootprint f = whole_footprint(*index.boxes()[0], {0, 0}, SeaTime{0});
     EXPECT_TRUE(touches(f, {7000.0, 7000.0, 32.0}));
     EXPECT_FALSE(touches(f, {10'000.0, 2000.0, 32.0}));
 }
@@ -64,6 +64,10 @@ TEST(BoxFootprint, ShareBoundsTheTimePartAndGrowsInSixteenths) {
         box.build_up_us = dice.lattice(0.0, 2e3);
         box.end = box.begin + dice.lattice(0.0, 3e3);
         box.decay_us = dice.lattice(0.0, 2e3);
+        if (i % 3 == 0) {
+            box.raised_us = dice.lattice(0.0, 3e3);
+            box.fade_us = dice.lattice(0.0, 1e3);
+        }
         const SeaTime from{dice.lattice(-3e3, 6e3)};
         const SeaTime until = from + dice.lattice(1.0, 500.0);
         const double share = largest_share(box, from, until);

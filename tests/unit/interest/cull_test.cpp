@@ -274,7 +274,7 @@ TEST(Cull, ReportsWhatItLeftOut) {
     EXPECT_GT(r.report.selection.considered, r.report.delivered);
     EXPECT_GT(r.report.selection.outside_frustum, 0U);
     EXPECT_GT(r.report.selection.beyond_horizon, 0U);
-    EXPECT_GT(r.report.trains_left_out, 0U);
+    EXPECT_GT(r.report.left_out.trains, 0U);
     EXPECT_EQ(r.report.boxes_alive, 8U);
     EXPECT_EQ(r.report.delivered, r.state.patches.size());
     EXPECT_GE(r.report.visibility, 12'000.0);

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "protocol/units/assert.hpp"
 #include "protocol/units/hash.hpp"
 
 namespace trochoid {
@@ -40,6 +41,68 @@ std::shared_ptr<const LandField> sample_field(FieldId id, uint64_t seed) {
     return field;
 }
 
+/// The same field with other values inside block (-1, -1) and (0, -2) and calm, open water in (1, 1).
+std::shared_ptr<const LandField> sample_overlay(FieldId id, const std::shared_ptr<const LandField>& base) {
+    auto field = std::make_shared<LandField>(id, base->step_log2());
+    field->set_base(base);
+    for (const BlockKey key : {BlockKey{-1, -1}, BlockKey{0, -2}}) {
+        auto block = std::make_shared<LandBlock>(*base->find(key));
+        for (size_t j = 1; j + 1 < block_nodes; ++j)
+            for (size_t i = 1; i + 1 < block_nodes; ++i) {
+                const size_t n = j * block_nodes + i;
+                block->shift[n] = block->shift[n] * 3 / 4 + 300;
+                block->gain[n] = static_cast<uint16_t>(block->gain[n] / 2 + 9000);
+                block->orbit[n] = static_cast<uint16_t>(unit_node_orbit + (i * 37 + j * 91) % 700);
+            }
+        field->set(std::move(block));
+    }
+    auto calm = std::make_shared<LandBlock>();
+    calm->key = {1, 1};
+    calm->gain.fill(unit_node_gain);
+    field->set(std::move(calm));
+    return field;
+}
+
+/// Q.24 lattice units per microsecond.
+int32_t leg_speed(double metres_per_second) {
+    return static_cast<int32_t>(std::lround(metres_per_second * 1024e-6 * 16777216.0));
+}
+
+std::vector<CourseLeg> sample_course(const SampleBox& what) {
+    const auto leg = [&](SeaTime from, LatticePoint origin, double heading) {
+        return CourseLeg{from, 100'000'000'000, origin, leg_speed(what.speed * std::cos(heading)),
+                         leg_speed(what.speed * std::sin(heading))};
+    };
+    std::vector<CourseLeg> course{leg(what.begin, what.origin, what.heading)};
+    if (what.turn != 0.0) {
+        const SeaTime at = what.begin + 900'000'000;
+        course.push_back(leg(at, corner_at(course, at), what.heading + what.turn));
+    }
+    return course;
+}
+
+ShipWake sample_wake(double speed) {
+    ShipWake wake;
+    const double length = 2.0 * pi * speed * speed / 9.81;
+    wake.transverse = static_cast<float>(length * 0.004);
+    wake.diverging = static_cast<float>(length * 0.003);
+    wake.choppiness = 0.8F;
+    wake.inverse_length = static_cast<uint32_t>(0x1p40 / (length * 1024.0));
+    wake.group_speed = static_cast<uint32_t>(leg_speed(speed * 0.5));
+    return wake;
+}
+
+IrregularHeight sample_groups(double share, double heading) {
+    IrregularHeight groups;
+    const double turns = 4294967296.0 / (300.0 * 1024.0);
+    groups.share = static_cast<uint16_t>(share * full_irregularity);
+    groups.ukx = groups.vkz = static_cast<int32_t>(std::lround(turns * std::cos(heading)));
+    groups.ukz = static_cast<int32_t>(std::lround(turns * std::sin(heading)));
+    groups.vkx = -groups.ukz;
+    groups.omega = static_cast<uint64_t>(10.0 / 300.0 * 1e-6 * 18446744073709551616.0);  // 10 m/s
+    return groups;
+}
+
 WaveTrain sample_train(double wavelength, double heading, double amplitude, float choppiness,
                        uint32_t phase) {
     WaveTrain t;
@@ -71,6 +134,13 @@ std::shared_ptr<const WorldBox> sample_box(const SampleBox& what, Dice& dice) {
     r.end = what.end;
     r.decay_us = what.decay_us;
     r.front_speed = what.front_speed;
+    r.raised_us = what.raised_us;
+    r.fade_us = what.fade_us;
+    r.roundness = static_cast<uint16_t>(what.roundness * full_roundness);
+    if (what.share != 0.0) r.irregular = sample_groups(what.share, what.heading);
+    if (what.speed != 0.0) r.course = sample_course(what);
+    if (what.ship != 0.0) r.wake = sample_wake(what.ship);
+    r.noise = what.noise;
     for (size_t i = 0; i < what.trains; ++i) {
         const double part =
             (static_cast<double>(i) + dice.between(0.0, 0.9)) / static_cast<double>(what.trains);
@@ -88,6 +158,17 @@ std::shared_ptr<const WorldBox> sample_box(const SampleBox& what, Dice& dice) {
         for (size_t i = 0; i < r.trains.size(); ++i)
             r.trains[i].field = fields[i < r.trains.size() / 2 ? 0 : 1]->id();
     }
+    if (what.land && what.changed) {
+        for (uint32_t f = 0; f < 2; ++f) {
+            const FieldId id{what.id * 10 + f + 5};
+            r.overlays.push_back({id, fields[f]->id()});
+            fields.push_back(sample_overlay(id, fields[f]));
+        }
+        for (WaveTrain& train : r.trains) train.field.value += 4;
+    }
+    // Tests that speak of an impossible box would prove nothing.
+    const auto valid = validate(r);
+    TROCHOID_ASSERT(valid, "sample box {}: {}", what.id, valid ? "" : valid.error().message);
     auto box = std::make_shared<WorldBox>();
     box->sea = prepare(std::move(r), fields);
     return box;
@@ -136,6 +217,55 @@ WorldState eight_box_world(size_t trains_a_box) {
     swell.steepness = 0.05;
     boxes.push_back(swell);
     return sample_world(boxes, 9);
+}
+
+WorldState live_world() {
+    std::vector<SampleBox> boxes(6);
+    for (uint32_t i = 0; i < 6; ++i) boxes[i].id = i + 1;
+    SampleBox& storm = boxes[0];
+    storm.origin = {to_lattice(-26'000.0), to_lattice(-9'000.0)};
+    storm.heading = 0.25;
+    storm.length = 14'000.0;
+    storm.width = 9'000.0;
+    storm.trains = 24;
+    storm.steepness = 0.1;
+    storm.share = 0.5;
+    storm.speed = 21.0;
+    storm.turn = -0.4;
+    SampleBox& round = boxes[1];
+    round.origin = {to_lattice(-6'000.0), to_lattice(-7'000.0)};
+    round.heading = 0.1;
+    round.length = 11'000.0;
+    round.width = 12'000.0;
+    round.steepness = 0.06;
+    round.land = round.changed = true;
+    round.roundness = 1.0;
+    SampleBox& ship = boxes[2];
+    ship.begin = {600'000'000};
+    ship.origin = {to_lattice(-7'000.0), to_lattice(-1'500.0)};
+    ship.heading = 0.0;
+    ship.length = 6'000.0;
+    ship.width = 4'600.0;
+    ship.trains = 0;
+    ship.speed = ship.ship = 8.0;
+    SampleBox& noise = boxes[3];
+    noise.trains = 0;
+    noise.noise = {0.12F, 33'000, 3, 12, 21, false, 77};
+    SampleBox& successor = boxes[4];
+    successor.origin = {to_lattice(-4'000.0), to_lattice(-5'000.0)};
+    successor.heading = 1.2;
+    successor.length = successor.width = 9'000.0;
+    successor.steepness = 0.04;
+    successor.begin = {1'020'000'000};
+    successor.raised_us = 800'000'000;
+    successor.fade_us = 200'000'000;
+    successor.build_up_us = 1'500'000'000;
+    SampleBox& swell = boxes[5];
+    swell.trains = 4;
+    swell.shortest = 80.0;
+    swell.longest = 400.0;
+    swell.steepness = 0.05;
+    return sample_world(boxes, 10);
 }
 
 std::shared_ptr<const TerrainGrid> island(double radius) {

@@ -55,7 +55,7 @@ TEST(WaveTrainFilter, EveryTrainLeftOutIsWeightlessForEveryCameraInTheSlack) {
         }
     }
     EXPECT_GT(left_out, 1000U);
-    EXPECT_GE(left_out, s.result.report.trains_left_out);
+    EXPECT_GE(left_out, s.result.report.left_out.trains);
 }
 
 TEST(WaveTrainFilter, KeepsNoWholeGroupThatIsWeightlessEverywhere) {

@@ -1,5 +1,7 @@
-// Writes two PPM pictures over a .terrain file: the crests of one train (cos of its phase times the gain) and the gain.
-// Usage: land_picture FILE.terrain OUT_PREFIX [degrees] [wavelength m] [Hs m] [refraction 0..3] [metres per pixel] [x z: centre, m]
+// Writes two PPM pictures over a .terrain file, or one of the coasts `beach`, `breakwater`, `island`: the crests of one train (cos of
+// its phase times the gain) and the gain.
+// Usage: land_picture TERRAIN OUT_PREFIX [degrees] [wavelength m] [Hs m] [refraction 0..3] [metres per pixel] [x z: centre, m]
+// [diffraction 0..2]
 #include <fmt/format.h>
 
 #include <chrono>
@@ -9,6 +11,7 @@
 #include <iterator>
 
 #include "protocol/model/terrain_file.hpp"
+#include "protocol/units/operator_error.hpp"
 #include "server/land/land_trace.hpp"
 #include "tests/unit/land/coasts.hpp"
 
@@ -32,13 +35,27 @@ struct Picture {
     }
 };
 
+TerrainGrid terrain_named(const std::string& name) {
+    if (name == "beach")
+        return coast(385, 15, 60,
+                     [](double x, double) { return std::clamp((x - 3000.0) / 60.0, -60.0, 20.0); });
+    if (name == "breakwater")
+        return coast(513, 14, 30,
+                     [](double x, double z) { return std::abs(x) < 20.0 && z < 0.0 ? 4.0 : -30.0; });
+    if (name == "island")
+        return coast(385, 15, 60, [](double x, double z) {
+            return std::clamp((600.0 - std::hypot(x + 2000.0, z)) / 25.0, -60.0, 20.0);
+        });
+    std::ifstream in(name, std::ios::binary);
+    const std::vector<uint8_t> bytes((std::istreambuf_iterator<char>(in)), std::istreambuf_iterator<char>());
+    auto read = decode_terrain(bytes);
+    if (!read) throw OperatorError(fmt::format("{}: {}", name, read.error().message));
+    return std::move(read).value();
+}
+
 int draw(int argc, char** argv) {
     const auto argument = [&](int i, double otherwise) { return argc > i ? std::atof(argv[i]) : otherwise; };
-    std::ifstream in(argv[1], std::ios::binary);
-    const std::vector<uint8_t> bytes((std::istreambuf_iterator<char>(in)), std::istreambuf_iterator<char>());
-    const auto read = decode_terrain(bytes);
-    if (!read) return fmt::print(stderr, "{}: {}\n", argv[1], read.error().message), 2;
-    const TerrainGrid& terrain = *read;
+    const TerrainGrid terrain = terrain_named(argv[1]);
     const double degrees = argument(3, 45.0);
     const double wavelength = argument(4, 100.0);
     const double hs = argument(5, 2.0);
@@ -51,6 +68,7 @@ int draw(int argc, char** argv) {
     b.trains[0].choppiness = 1.0F;
     LandSettings settings;
     settings.refraction = static_cast<Refraction>(static_cast<int>(argument(6, 3.0)));
+    settings.diffraction = static_cast<Diffraction>(static_cast<int>(argument(10, 1.0)));
     const auto begin = std::chrono::steady_clock::now();
     LandTraceStats stats;
     const TracedLand land = trace_land(b, terrain, {1}, settings, &stats);
@@ -105,7 +123,11 @@ int main(int argc, char** argv) {
     if (argc < 3)
         return fmt::print(
                    stderr,
-                   "usage: land_picture FILE.terrain OUT_PREFIX [degrees] [wavelength] [Hs] [refraction] [scale] [x z]\n"),
+                   "usage: land_picture TERRAIN OUT_PREFIX [degrees] [wavelength] [Hs] [refraction] [scale] [x z] [diffraction]\n"),
                2;
-    return trochoid::draw(argc, argv);
+    try {
+        return trochoid::draw(argc, argv);
+    } catch (const std::exception& error) {
+        return fmt::print(stderr, "land_picture: {}\n", error.what()), 2;
+    }
 }

@@ -1,8 +1,10 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 
 #include "server/land/depth_response.hpp"
+#include "server/land/depth_table.hpp"
 #include "server/land/finite_depth.hpp"
 
 namespace trochoid {
@@ -61,10 +63,11 @@ TEST(DepthResponse, ShallowOpenSeaIsTheReference) {
     const DepthResponse response(1.0 / 200.0, 40.0, 1.0, LandSettings{});
     EXPECT_EQ(response.wave_number(40.0), 1.0);
     EXPECT_EQ(response.growth(40.0), 1.0);
+    // 200 m is their length there, so omega^2 / g = k tanh(k 40 m).
     const double k = two_pi_f64 / 200.0;
-    const double expected = (solved(k * 10.0) / 10.0) / (solved(k * 40.0) / 40.0);
-    EXPECT_NEAR(response.wave_number(10.0), expected, 1e-5);
-    EXPECT_NEAR(response.growth(10.0), linear_shoaling(k * 10.0) / linear_shoaling(k * 40.0), 1e-5);
+    const double deep_k = k * std::tanh(k * 40.0);
+    EXPECT_NEAR(response.wave_number(10.0), solved(deep_k * 10.0) / 10.0 / k, 1e-5);
+    EXPECT_NEAR(response.growth(10.0), linear_shoaling(deep_k * 10.0) / linear_shoaling(deep_k * 40.0), 1e-5);
 }
 
 TEST(DepthResponse, BreakingLimitsTheHeightOfTheWholeBox) {
@@ -82,14 +85,50 @@ TEST(DepthResponse, PaperGrowthIsGentleAndLimited) {
     LandSettings settings;
     settings.shoaling = Shoaling::paper;
     const DepthResponse response(1.0 / 100.0, 200.0, 1.0, settings);
-    EXPECT_EQ(response.growth(50.0), 1.0);
-    EXPECT_NEAR(response.growth(25.0), 1.125, 1e-9);
+    EXPECT_NEAR(response.growth(50.0), 1.0, 1e-6);
+    EXPECT_EQ(response.growth(50.1), 1.0);
+    EXPECT_NEAR(response.growth(25.0), 1.125, 1e-6);
     double before = 1.0;
     for (double depth = 49.0; depth > 1.0; depth -= 1.0) {
         EXPECT_GT(response.growth(depth), before);
         before = response.growth(depth);
     }
     EXPECT_LE(before, 1.25);
+}
+
+TEST(DepthResponse, DecreaseFallsSteadilyToWhatTheSettingLeaves) {
+    LandSettings settings;
+    settings.shoaling = Shoaling::decrease;
+    settings.shore_decrease = 1.0;
+    settings.breaking_ratio = 0.0;
+    const DepthResponse response(1.0 / 100.0, 200.0, 1.0, settings);
+    double before = 1.0;
+    for (double depth = 49.0; depth > 0.0; depth -= 1.0) {
+        EXPECT_LT(response.growth(depth), before);
+        before = response.growth(depth);
+    }
+    EXPECT_NEAR(response.growth(25.0), 0.5, 1e-5);
+    EXPECT_NEAR(response.growth(1e-3), 0.0, 1e-4);
+    EXPECT_EQ(response.share_limit(5.0), 1.0);
+    settings.shoaling = Shoaling::none;
+    EXPECT_EQ(DepthResponse(1.0 / 100.0, 200.0, 1.0, settings).growth(2.0), 1.0);
+}
+
+TEST(DepthTable, EqualsTheResponse) {
+    LandSettings settings;
+    for (const double height : {0.1, 3.0, 20.0}) {
+        const DepthResponse response(1.0 / 120.0, 60.0, height, settings);
+        const DepthTable table(response);
+        for (double depth = 0.01; depth < response.untouched(); depth *= 1.0037) {
+            const FourFloats row = table.at(static_cast<float>(depth));
+            // The kinks, where the water is shallowest or breaking begins, fall within a cell of 1/128.
+            EXPECT_NEAR(row[0] / response.wave_number(depth), 1.0, depth > 1.02 ? 1e-5 : 5e-3) << depth;
+            EXPECT_NEAR(row[1] / response.growth(depth), 1.0, depth > 1.02 ? 2e-5 : 5e-3) << depth;
+            EXPECT_LE(static_cast<double>(row[2]), response.breaking_gain(depth) * 1.000001) << depth;
+            EXPECT_NEAR(row[2], response.breaking_gain(depth), 0.01) << depth;
+            EXPECT_NEAR(row[3], response.share_limit(depth), 5e-3) << depth;
+        }
+    }
 }
 
 TEST(LandSettings, FaultsNameTheSetting) {
@@ -103,6 +142,18 @@ TEST(LandSettings, FaultsNameTheSetting) {
     s = {};
     s.turn_limit = 1.0;
     EXPECT_NE(std::string(land_settings_fault(s)).find("turn_limit"), std::string::npos);
+    s = {};
+    s.run_up = std::numeric_limits<double>::infinity();
+    EXPECT_NE(std::string(land_settings_fault(s)).find("run_up"), std::string::npos);
+    s = {};
+    s.shore_decrease = -0.1;
+    EXPECT_NE(std::string(land_settings_fault(s)).find("shore_decrease"), std::string::npos);
+    s = {};
+    s.diffraction = static_cast<Diffraction>(3);
+    EXPECT_NE(std::string(land_settings_fault(s)).find("diffraction"), std::string::npos);
+    s = {};
+    s.shoaling = static_cast<Shoaling>(4);
+    EXPECT_NE(std::string(land_settings_fault(s)).find("shoaling"), std::string::npos);
     s = {};
     s.breaking_ratio = 0.0;
     EXPECT_EQ(land_settings_fault(s), nullptr);

@@ -60,7 +60,8 @@ TEST(Gain, BreakingCapsTheHeightAndReachesZeroAtTheShore) {
                 EXPECT_EQ(gain, 0.0) << "x " << x;
             }
         }
-        EXPECT_NEAR(node_value(*field, 1920.0, 0.0).gain, 0.78 * 2.0 / hs, 0.02);
+        // Two interpolations round off the kink where breaking begins, a node farther out.
+        EXPECT_NEAR(node_value(*field, 1920.0, 0.0).gain, 0.78 * 2.0 / hs, 0.04);
     }
 }
 

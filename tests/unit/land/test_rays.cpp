@@ -44,8 +44,8 @@ TEST(Rays, LieAlongTheBoxEvenlySpaced) {
     const TracedLand land = trace_land(b, terrain, {1}, LandSettings{});
     ASSERT_EQ(land.rays.size(), 31U);
     for (size_t i = 0; i < land.rays.size(); ++i) {
-        const BoxPosition start = box_position(b, land.rays[i].start);
-        const BoxPosition end = box_position(b, land.rays[i].end);
+        const BoxPosition start = box_position(b, instant_of(b, b.begin), land.rays[i].start);
+        const BoxPosition end = box_position(b, instant_of(b, b.begin), land.rays[i].end);
         const double v = static_cast<double>(b.width) * (2.0 * static_cast<double>(i) + 1.0) / 62.0;
         EXPECT_NEAR(static_cast<double>(start.u), 0.0, 3.0);
         EXPECT_NEAR(static_cast<double>(end.u), static_cast<double>(b.length), 3.0);

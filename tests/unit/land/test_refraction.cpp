@@ -52,7 +52,7 @@ TEST_P(Snell, EikonalBendsCrestsOnAPlaneBeach) {
     for (const double x : {0.0, 800.0, 1184.0, 1600.0, 1696.0}) {
         const double depth = (2000.0 - x) / 40.0;
         const double expected = std::asin(std::sin(incidence * pi / 180.0) / ratio_at(depth)) * 180.0 / pi;
-        EXPECT_NEAR(crest_angle(land, b.trains[0], x, 3200.0), expected, 0.15) << "depth " << depth;
+        EXPECT_NEAR(crest_angle(land, b.trains[0], x, 3200.0), expected, 0.25) << "depth " << depth;
     }
 }
 INSTANTIATE_TEST_SUITE_P(Refraction, Snell, ::testing::Values(0.0, 30.0, 60.0));

@@ -3,10 +3,9 @@
 #include <cmath>
 
 #include "protocol/model/terrain_file.hpp"
-#include "server/land/band_march.hpp"
+#include "server/land/band_trace.hpp"
 #include "server/land/land_cache.hpp"
 #include "server/land/land_trace.hpp"
-#include "server/land/row_march.hpp"
 #include "tests/unit/land/coasts.hpp"
 
 namespace trochoid {
@@ -92,7 +91,7 @@ TEST(Trace, GoldenHash) {
     b.trains.push_back(t);
     const TracedLand land = trace_land(b, terrain, {1}, LandSettings{});
     EXPECT_EQ(land.fields.size(), 2U);
-    EXPECT_EQ(hash_of(land), 12338565434499282358ULL);
+    EXPECT_EQ(hash_of(land), 2491507755524606911ULL);
 }
 
 TEST(Trace, UpstreamIsExactlyOpenWater) {
@@ -174,8 +173,9 @@ TEST(Trace, BlocksEndOnOpenWaterOrOutsideTheBox) {
                 const auto check = [&](BlockKey neighbour, int x, int z) {
                     if (field->find(neighbour) != nullptr) return;
                     const int64_t step = int64_t{1} << field->step_log2();
-                    const BoxPosition at = box_position(b, {(int64_t{block->key.x} * 16 + x) * step,
-                                                            (int64_t{block->key.z} * 16 + z) * step});
+                    const BoxPosition at = box_position(
+                        b, instant_of(b, b.begin),
+                        {(int64_t{block->key.x} * 16 + x) * step, (int64_t{block->key.z} * 16 + z) * step});
                     if (at.u <= 0 || at.v <= 0 || at.u >= b.length || at.v >= b.width) return;
                     const auto n = static_cast<size_t>(z * block_nodes + x);
                     ASSERT_EQ(block->shift[n], 0);
@@ -230,31 +230,41 @@ TEST(Trace, MarchEqualsItsScalarTwinWhereDepthIsAlikeAcross) {
     WaveTrainBox b = open_box(0.0);
     b.trains = {train(0.0, 64.0, 0.7)};
     const LandSettings settings;
-    const LandArea area = land_area(b, terrain, settings);
-    const std::vector<float> depths = node_depths(area, b, terrain);
-    const WaveBand band = wave_bands(b).at(0);
-    const DepthResponse response(band.turns_per_metre, 60.0, significant_height(b), settings);
-    const BandGrid grid = march_band(area, depths, band, response, settings);
-    const std::vector<float> smooth = phase_depths(area, depths, band, response);
-    const double open = band.turns_per_metre * 32.0;
-    const int32_t z = area.nodes_z() / 2;
+    const TraceInput in = trace_input(b, terrain, settings, false);
+    const DepthResponse response = response_of(in, in.bands.at(0));
+    TraceWorkspace work;
+    ASSERT_TRUE(trace_band(in, 0, work, nullptr).touched);
+    const BandGrid& grid = work.grid;
+    const BandView view = in.view(0);
+    ASSERT_TRUE(view.turned);
+    const double open = in.bands[0].turns_per_metre * 32.0;
+    const int32_t z = in.area.nodes_z() / 2;
     Twin twin;
     double before = open;
     size_t land_nodes = 0;
     // Farther on, the terrain's sides, 4 km off, begin to be felt.
-    for (int32_t x = 0; area.at(x, z).x < to_lattice(2000.0); ++x) {
-        const auto n = static_cast<size_t>(z) * static_cast<size_t>(area.nodes_x()) + static_cast<size_t>(x);
-        const auto depth = static_cast<double>(depths[n]);
-        const double here = open * response.wave_number(static_cast<double>(smooth[n]));
+    for (int32_t x = 0; in.area.at(x, z).x < to_lattice(2000.0); ++x) {
+        const auto n =
+            static_cast<size_t>(x) * static_cast<size_t>(view.area->nodes_x()) + static_cast<size_t>(z);
+        const auto depth = static_cast<double>(view.depths[n]);
+        const double here = open * response.wave_number(static_cast<double>(work.planes.smooth[n]));
         twin.shift += 0.5 * (before + here) - open;
         before = here;
-        const double limit =
-            depth < response.untouched() ? response.breaking_gain(depth) / response.growth(depth) : 1.0;
-        twin.share = std::min({twin.share + 32.0 / settings.recovery, 1.0, limit});
+        twin.share = std::min({twin.share + 32.0 / settings.recovery, 1.0, response.share_limit(depth)});
         if (depth <= 0.0) ++land_nodes;
-        const BandGrid::Value value = grid.at(x, z);
-        ASSERT_NEAR(value.shift, twin.shift, 1e-4) << "node " << x;
-        ASSERT_NEAR(value.shelter, twin.share, 1e-5) << "node " << x;
+        const double row = grid.row_of(z, x) - grid.first_row;
+        const double column = grid.column_of(z, x);
+        ASSERT_EQ(row, std::floor(row));
+        ASSERT_EQ(column, std::floor(column));
+        if (row < 0.0) {
+            ASSERT_EQ(twin.share, 1.0);
+            ASSERT_NEAR(twin.shift, 0.0, 1e-5);
+            continue;
+        }
+        const size_t at =
+            2 * (static_cast<size_t>(row) * static_cast<size_t>(grid.columns) + static_cast<size_t>(column));
+        ASSERT_NEAR(grid.values[at], twin.shift, 3e-4) << "node " << x;
+        ASSERT_NEAR(grid.values[at + 1], twin.share, 3e-5) << "node " << x;
     }
     EXPECT_GT(land_nodes, 8U);
     EXPECT_GT(twin.shift, 3.0);
@@ -313,6 +323,18 @@ TEST(LandCache, WhatMattersIsInTheKey) {
     LandSettings changed = s;
     changed.recovery = 1000.0;
     EXPECT_NE(key, land_key(b, 1, changed));
+    for (int i = 0; i < 5; ++i) {
+        changed = s;
+        if (i == 0) changed.run_up = 1.0;
+        if (i == 1) changed.shore_decrease = 0.5;
+        if (i == 2) changed.shallow_orbits = true;
+        if (i == 3) changed.diffraction = Diffraction::none;
+        if (i == 4) changed.shoaling = Shoaling::none;
+        EXPECT_NE(key, land_key(b, 1, changed)) << i;
+    }
+    other = b;
+    other.trains[1].choppiness = 0.25F;
+    EXPECT_EQ(key, land_key(other, 1, s));
     changed = s;
     changed.threads = 5;
     EXPECT_EQ(key, land_key(b, 1, changed));

@@ -125,6 +125,31 @@ TEST(InterestState, EveryFieldEntersTheHash) {
     EXPECT_TRUE(differs([](WaveTrainBox& b) { b.front_speed = 1; }));
     EXPECT_TRUE(differs([](WaveTrainBox& b) { b.gain_max = 1; }));
     EXPECT_TRUE(differs([](WaveTrainBox& b) { b.trains[0].omega = 1; }));
+    EXPECT_TRUE(differs([](WaveTrainBox& b) { b.raised_us = 1; }));
+    EXPECT_TRUE(differs([](WaveTrainBox& b) { b.fade_us = 1; }));
+    EXPECT_TRUE(differs([](WaveTrainBox& b) { b.roundness = 1; }));
+    EXPECT_TRUE(differs([](WaveTrainBox& b) { b.overlays.push_back({{2}, {1}}); }));
+    EXPECT_TRUE(differs([](WaveTrainBox& b) { b.course.push_back({}); }));
+    EXPECT_TRUE(differs([](WaveTrainBox& b) { b.irregular.share = 1; }));
+    EXPECT_TRUE(differs([](WaveTrainBox& b) { b.irregular.ukx = 1; }));
+    EXPECT_TRUE(differs([](WaveTrainBox& b) { b.irregular.ukz = 1; }));
+    EXPECT_TRUE(differs([](WaveTrainBox& b) { b.irregular.vkx = 1; }));
+    EXPECT_TRUE(differs([](WaveTrainBox& b) { b.irregular.vkz = 1; }));
+    EXPECT_TRUE(differs([](WaveTrainBox& b) { b.irregular.omega = 1; }));
+    EXPECT_TRUE(differs([](WaveTrainBox& b) { b.irregular.phase_u = 1; }));
+    EXPECT_TRUE(differs([](WaveTrainBox& b) { b.irregular.phase_v = 1; }));
+    EXPECT_TRUE(differs([](WaveTrainBox& b) { b.noise.amplitude = 1.0F; }));
+    EXPECT_TRUE(differs([](WaveTrainBox& b) { b.noise.persistence = 1; }));
+    EXPECT_TRUE(differs([](WaveTrainBox& b) { b.noise.octaves = 2; }));
+    EXPECT_TRUE(differs([](WaveTrainBox& b) { b.noise.step_log2 = 10; }));
+    EXPECT_TRUE(differs([](WaveTrainBox& b) { b.noise.period_log2 = 20; }));
+    EXPECT_TRUE(differs([](WaveTrainBox& b) { b.noise.displayed_only = false; }));
+    EXPECT_TRUE(differs([](WaveTrainBox& b) { b.noise.seed = 1; }));
+    EXPECT_TRUE(differs([](WaveTrainBox& b) { b.wake.transverse = 1.0F; }));
+    EXPECT_TRUE(differs([](WaveTrainBox& b) { b.wake.diverging = 1.0F; }));
+    EXPECT_TRUE(differs([](WaveTrainBox& b) { b.wake.choppiness = 1.0F; }));
+    EXPECT_TRUE(differs([](WaveTrainBox& b) { b.wake.inverse_length = 1; }));
+    EXPECT_TRUE(differs([](WaveTrainBox& b) { b.wake.group_speed = 1; }));
     EXPECT_TRUE(differs([](WaveTrainBox& b) { b.trains[0].choppiness = 1.0F; }));
     EXPECT_TRUE(differs([](WaveTrainBox& b) { b.trains[0].field = {1}; }));
     EXPECT_TRUE(differs([](WaveTrainBox& b) { b.trains.push_back({}); }));
@@ -160,6 +185,10 @@ TEST(InterestState, HashIsWrittenLittleEndianFieldByField) {
     for (int i = 1; i < 289; ++i) put(0, 4);
     for (int i = 0; i < 288; ++i) put(0, 2);
     put(0x1234, 2);
+    block.orbit[1] = 0x4321;
+    put(unit_node_orbit, 2);
+    put(0x4321, 2);
+    for (int i = 2; i < 289; ++i) put(unit_node_orbit, 2);
     EXPECT_EQ(hash_of(block), Hash64().bytes(bytes).value());
 }
 

@@ -83,6 +83,28 @@ TEST(WaterSampler, bounds_speak_of_their_span_and_regions_of_the_kept_past_and_a
     EXPECT_EQ(WaterSampler(snapshot, snapshot->key.from - sync_history_us - 1).trust({0, 0}), Trust::unknown);
 }
 
+TEST(WaterSampler, takes_the_layers_that_are_named) {
+    const auto snapshot = one_wave();
+    WaveTrainBox noise;
+    noise.id = {2};
+    noise.first_train = {2};
+    noise.noise = {0.2F, 30'000, 3, 12, 20, true, 9};
+    snapshot->sea = Sea({snapshot->sea.boxes()[0], prepare(noise, {})});
+    snapshot->regions = {{{0, 0}, 10'000}};
+    auto interest = std::make_shared<InterestState>();
+    interest->patches[{18, 0, 0}].key = {18, 0, 0};
+    snapshot->interest = interest;
+    const LatticePoint p{4'321, 1'234}, on_patch{200'000, 200'000};
+    const WaterSampler felt(snapshot, now);
+    const WaterSampler shown(snapshot, now, displayed_layers);
+    EXPECT_EQ(felt.surface(p), SeaInstant(one_wave()->sea, now).evaluate(p)) << "displayed noise is not felt";
+    EXPECT_EQ(shown.surface(p), SeaInstant(snapshot->sea, now, displayed_layers).evaluate(p));
+    EXPECT_NE(shown.surface(p), felt.surface(p));
+    EXPECT_EQ(shown.trust(p), Trust::exact);
+    EXPECT_EQ(felt.trust(on_patch), Trust::bounded);
+    EXPECT_EQ(shown.trust(on_patch), Trust::unknown) << "the stated bound is the authoritative sea's";
+}
+
 TEST(WaterSampler, confirmed_up_to_the_watermark) {
     const auto snapshot = one_wave();
     EXPECT_TRUE(WaterSampler(snapshot, snapshot->watermark).water({0, 0}).confirmed);

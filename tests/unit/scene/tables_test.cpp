@@ -1,11 +1,13 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 
 #include "client/scene/bed_map.hpp"
 #include "client/scene/debug_lines.hpp"
 #include "client/scene/land_table.hpp"
+#include "client/scene/layer_names.hpp"
 #include "client/scene/ripple_map.hpp"
 #include "client/scene/sea_table.hpp"
 
@@ -77,6 +79,53 @@ TEST(LandTable, the_same_blocks_change_nothing_and_too_many_are_counted) {
     EXPECT_EQ(small.row_of({2}), 0);
 }
 
+/// The shift that the shader finds in block (0, 0) of a row's window, whose first block it is; -1 where none lies.
+int32_t first_shift(const LandTable& table, int row) {
+    std::vector<std::array<int32_t, 4>> rows;
+    table.append_fields(rows, {});
+    const int32_t node = table.slots()[static_cast<size_t>(rows[static_cast<size_t>(row) * 2][3])];
+    return node < 0 ? -1 : table.nodes()[static_cast<size_t>(node)][0];
+}
+
+TEST(LandTable, overlays_are_laid_over_their_bases) {
+    InterestState state;
+    add(state, {3}, block_at(0, 0, 111));
+    add(state, {3}, block_at(1, 0, 112));
+    auto flat = std::make_shared<LandBlock>(*block_at(0, 0, 0));
+    flat->orbit.fill(3 * unit_node_orbit);
+    add(state, {5}, flat);  // over 3: calm there again
+    add(state, {7}, block_at(1, 0, 333));
+    WaveTrainBox box;
+    box.id = {1};
+    box.trains.resize(3);
+    box.trains[0].field = {5};
+    box.trains[1].field = {7};
+    box.trains[2].field = {8};  // over 3, no block of its own has come
+    box.overlays = {{{5}, {3}}, {{7}, {5}}, {{8}, {3}}};
+    LandTable table;
+    EXPECT_TRUE(table.rebuild(state, 1'000, 100'000));
+    EXPECT_EQ(table.row_of(box, {5}), -1) << "nobody reads the chain yet";
+    state.boxes[{1}] = std::make_shared<const WaveTrainBox>(box);
+    EXPECT_TRUE(table.rebuild(state, 1'000, 100'000)) << "the same blocks, another chain";
+    EXPECT_FALSE(table.rebuild(state, 1'000, 100'000));
+    EXPECT_EQ(table.block_count(), 4U) << "shared, not copied";
+    EXPECT_EQ(first_shift(table, table.row_of({3})), 111);
+    EXPECT_EQ(first_shift(table, table.row_of(box, {5})), 0)
+        << "the overlay's own block counts, trivial or not";
+    EXPECT_EQ(first_shift(table, table.row_of(box, {7})), 0) << "two fields down";
+    EXPECT_EQ(first_shift(table, table.row_of(box, {8})), 111);
+    EXPECT_EQ(table.largest_orbit(), 3.0F);
+    // A base of another step does not count.
+    state.blocks.at({{3}, {0, 0}}).step_log2 = state.blocks.at({{3}, {1, 0}}).step_log2 = 15;
+    auto other = std::make_shared<LandBlock>(*flat);
+    state.blocks.at({{5}, {0, 0}}).block = other;
+    EXPECT_TRUE(table.rebuild(state, 1'000, 100'000));
+    EXPECT_EQ(first_shift(table, table.row_of(box, {5})), 0);
+    std::vector<std::array<int32_t, 4>> rows;
+    table.append_fields(rows, {});
+    EXPECT_EQ(rows[static_cast<size_t>(table.row_of(box, {5})) * 2 + 1][0], 1) << "one column: field 5 alone";
+}
+
 WaveTrainBox box_of(uint32_t id, int trains) {
     WaveTrainBox box;
     box.id = {id};
@@ -114,11 +163,14 @@ TEST(SeaTable, lists_name_rows_and_trains_and_equal_ones_are_shared) {
     EXPECT_EQ(table.lists()[static_cast<size_t>(list)], (ListTexel{2, 0}));
     EXPECT_EQ(table.lists()[static_cast<size_t>(list) + 1], (ListTexel{0, 2}));
     EXPECT_EQ(table.lists()[static_cast<size_t>(list) + 2], (ListTexel{box_row_texels, 5}));
-    // A box that has not come yet is left out; no more trains than there are.
+    // A box that has not come yet is left out; no more trains than there are; who is not named lends its roughness.
     const auto partial = static_cast<size_t>(table.list_of({16, 2, 0}));
-    EXPECT_EQ(table.lists()[partial], (ListTexel{1, 0}));
-    EXPECT_EQ(table.lists()[partial + 1], (ListTexel{box_row_texels, 5}));
-    EXPECT_EQ(table.lists()[static_cast<size_t>(table.list_of({16, 3, 0}))], (ListTexel{0, 0}));
+    EXPECT_EQ(table.lists()[partial], (ListTexel{2, 0}));
+    EXPECT_EQ(table.lists()[partial + 1], (ListTexel{0, 0}));
+    EXPECT_EQ(table.lists()[partial + 2], (ListTexel{box_row_texels, 5}));
+    const int bare = table.list_of({16, 3, 0});
+    EXPECT_EQ(table.lists()[static_cast<size_t>(bare)], (ListTexel{2, 0}));
+    EXPECT_EQ(table.bounds_of_list(bare), WaveBounds{}) << "nothing of them moves it";
     EXPECT_EQ(table.lists()[0], (ListTexel{2, 0})) << "list 0 holds everything";
     EXPECT_NEAR(table.bounds_of_list(list).height, 4.0F, 0.01F);
 }
@@ -157,6 +209,61 @@ TEST(SeaTable, a_limited_box_beyond_its_axes_reach_is_silent_but_kept) {
     table.rebuild(state, LandTable{});
     EXPECT_EQ(table.records(LandTable{}, {}, SeaTime{1})[1][3], 0);
     EXPECT_NE(table.records(LandTable{}, {world_bound, world_bound}, SeaTime{1})[1][3], 0);
+}
+
+TEST(SeaTable, features_have_rows_only_where_a_layer_shows_them) {
+    InterestState state;
+    WaveTrainBox box = box_of(1, 5);
+    box.length = box.width = to_lattice(4'000);
+    box.roundness = 9'000;
+    box.irregular.share = 1'000;
+    box.irregular.ukx = box.irregular.vkz = 4'000;
+    box.noise = {0.05F, 30'000, 3, 10, 20, true, 1};
+    box.course = {{{0}, 1'000'000'000, {0, 0}, 17'180, 0}};
+    state.boxes[{1}] = std::make_shared<const WaveTrainBox>(box);
+    WaveTrainBox ship = box;
+    ship.id = {2};
+    ship.trains.clear();
+    ship.roundness = 0;
+    ship.irregular = {};
+    ship.noise = {};
+    ship.wake = {0.5F, 0.4F, 0.8F, 20'000'000, 70'000};
+    state.boxes[{2}] = std::make_shared<const WaveTrainBox>(ship);
+    state.patches[{16, 0, 0}].boxes = {{{2}, 0}};
+    SeaTable table;
+    table.rebuild(state, LandTable{});
+    const auto list = static_cast<size_t>(table.list_of({16, 0, 0}));
+    EXPECT_EQ(table.lists()[list + 2], (ListTexel{box_row_texels, 0})) << "a wake shows without any train";
+    EXPECT_GT(table.bounds_of_list(static_cast<int>(list)).height, 0.5F);
+    const auto all = table.records(LandTable{}, {}, SeaTime{10'000'000});
+    const size_t plain = 2 * box_row_texels + 5 * train_row_texels;
+    EXPECT_EQ(all.size(), plain + irregular_row_texels + 3 + 3 * octave_row_texels + wake_row_texels);
+    const auto& features = all[7];
+    EXPECT_EQ(features[0], static_cast<int32_t>(plain));
+    EXPECT_EQ(features[1], -1);
+    EXPECT_EQ(all[box_row_texels + 7][1], static_cast<int32_t>(all.size()) - wake_row_texels);
+    const auto none = table.records(LandTable{}, {}, SeaTime{10'000'000}, Layers{}.with(Layer::trains));
+    EXPECT_EQ(none.size(), plain);
+    EXPECT_EQ(none[7], (RecordTexel{-1, -1, -1, -1}));
+    // 10 s at 1 m/s: the corner has gone 10 m east (Q.24 and Q2.30: to the millimetre).
+    const int64_t u = (int64_t{all[0][1]} << 32 | static_cast<uint32_t>(all[0][0])) >> 30;
+    EXPECT_NEAR(static_cast<double>(u), -10'240.0, 2.0);
+    EXPECT_EQ(wake_texels().size(), 2U * (wake_cells + 1) + wake_root_cells + 1);
+}
+
+TEST(LayerNames, sets_sums_and_differences) {
+    EXPECT_EQ(layers_named("all"), displayed_layers);
+    EXPECT_EQ(layers_named("none"), Layers{});
+    EXPECT_EQ(layers_named("authoritative"), authoritative_layers);
+    EXPECT_EQ(layers_named("trains,wakes"), Layers{}.with(Layer::trains).with(Layer::wakes));
+    EXPECT_EQ(layers_named("-capillary"), authoritative_layers);
+    EXPECT_EQ(layers_named("-noise,-round,+noise"), displayed_layers.without(Layer::round));
+    EXPECT_EQ(layers_named("all,-trains"), displayed_layers.without(Layer::trains));
+    for (const char* wrong : {"", "trains,", ",", "waves", "--noise", "-", "trains noise"})
+        EXPECT_EQ(layers_named(wrong), std::nullopt) << wrong;
+    Layers every;
+    for (const NamedLayer& l : layers_by_importance) every = toggled(every, l.layer);
+    EXPECT_EQ(every, displayed_layers) << "each layer has its name and key";
 }
 
 TEST(BedMap, takes_the_finest_tile_and_the_open_sea_elsewhere) {
@@ -223,6 +330,32 @@ TEST(DebugLines, outline_follows_the_box_and_points_have_their_colours) {
     ASSERT_EQ(lines.points.size(), 1U);
     EXPECT_EQ(lines.points[0].tint, tint_of(ActionKind::blocked));
     EXPECT_TRUE(make_debug_lines(input, state, frame, SeaMesh{}, DrawOptions{}).lines.empty());
+}
+
+TEST(DebugLines, a_ship_stands_where_its_course_has_brought_it) {
+    InterestState state;
+    WaveTrainBox box = box_of(1, 0);
+    box.length = to_lattice(1'000);
+    box.width = to_lattice(800);
+    box.ux = 1 << 30;
+    box.uz = 0;
+    box.course = {{{0}, 1'000'000'000, box.origin, 5 * 17'180, 0}};
+    box.wake = {0.5F, 0.4F, 0.8F, 20'000'000, 43'000};
+    state.boxes[{1}] = std::make_shared<const WaveTrainBox>(box);
+    SceneInput input;
+    input.now = {100'000'000};
+    DrawOptions options;
+    options.boxes = true;
+    const DebugLines lines =
+        make_debug_lines(input, state, frame_of(Camera{}, DepthRange::classic), SeaMesh{}, options);
+    float farthest_east = 0.0F;
+    for (const LineVertex& v : lines.lines) farthest_east = std::max(farthest_east, v.x);
+    // The course runs on to 1000 s: the ship's 1000 m and 5 m/s.
+    EXPECT_NEAR(farthest_east, 1'000 + 5'000, 1.0F);
+    const bool bow = std::any_of(lines.lines.begin(), lines.lines.end(), [](const LineVertex& v) {
+        return std::abs(v.x - 1'550) < 1.0F && std::abs(v.z - 400) < 0.1F;
+    });
+    EXPECT_TRUE(bow);
 }
 
 }  // namespace

@@ -1,105 +1,10 @@
 #include <gtest/gtest.h>
 
-#include <future>
-#include <thread>
-
 #include "protocol/units/operator_error.hpp"
-#include "server/app/opening.hpp"
-#include "server/app/sea_authority.hpp"
-#include "server/app/sea_service.hpp"
-#include "server/net/listener.hpp"
-#include "server/net/monotonic.hpp"
-#include "server/net/session_server.hpp"
-#include "tests/support/net/raw_client.hpp"
+#include "tests/unit/server_app/real_server.hpp"
 
 namespace trochoid {
 namespace {
-
-constexpr uint32_t lead_ms = 200;
-
-// A shoal rising out of 20 m of water around an island, 4 km across.
-std::shared_ptr<const TerrainGrid> island() {
-    TerrainGrid grid;
-    grid.columns = grid.rows = 129;
-    grid.origin_x = grid.origin_z = -64 * 32768;
-    for (int64_t z = -64; z <= 64; ++z)
-        for (int64_t x = -64; x <= 64; ++x) {
-            const int64_t metres = std::max<int64_t>(-20, 10 - (x * x + z * z) / 40);
-            grid.heights.push_back(static_cast<int16_t>(metres * 32));
-        }
-    grid.open_sea_depth = -20 * 1024;
-    return std::make_shared<const TerrainGrid>(grid);
-}
-
-StartWind wind_over_the_origin() {
-    StartWind wind;
-    wind.speed = 12.0F;
-    wind.towards_degrees = 90.0F;
-    wind.origin = {to_lattice(-3000), 0};
-    wind.fetch = to_lattice(6000);
-    wind.width = to_lattice(4000);
-    return wind;
-}
-
-// The real server without its process: world, authority, service, sessions on a loopback port.
-class RealServer : public testing::Test {
-protected:
-    void start(const std::shared_ptr<const TerrainGrid>& terrain, const Scene& scene) {
-        SeaClock clock;
-        clock.monotonic_start_us = monotonic_us();
-        world = std::make_unique<World>(scene.name, terrain, clock);
-        worker = std::make_unique<LandWorker>(loop, terrain, land_settings_of(scene.land));
-        authority = std::make_unique<SeaAuthority>(loop, *world, log, *worker, lead_ms);
-        authority->open(scene);
-        sea = std::make_unique<SeaService>(*authority, WorldInstance{}, DirectorToken());
-        sessions = std::make_unique<SessionServer>(loop, *sea, Limits{});
-        authority->on_change([this] { sessions->sea_changed(); });
-        listener = std::make_unique<Listener>(loop, ListenAddresses{}, [this](std::unique_ptr<Transport> t) {
-            sessions->accept(std::move(t));
-        });
-        thread = std::thread([this] { loop.run(); });
-    }
-    void TearDown() override {
-        if (!thread.joinable()) return;
-        loop.post([this] { loop.stop(); });
-        thread.join();
-    }
-    static Scene scene_with_wind() {
-        Scene scene;
-        scene.name = "test";
-        SceneWind wind{"old wind", wind_over_the_origin(), {-3600 * microseconds_per_second}};
-        wind.wind.seed = 5;
-        scene.winds.push_back(wind);
-        return scene;
-    }
-    template <class F>
-    auto on_loop(F f) {
-        std::promise<decltype(f())> promise;
-        loop.post([&] { promise.set_value(f()); });
-        return promise.get_future().get();
-    }
-    // Hands over a command and gives its reply's future.
-    std::future<CommandReply> command(const Command& c) {
-        auto promise = std::make_shared<std::promise<CommandReply>>();
-        loop.post([this, c, promise] {
-            authority->command(c, [promise](CommandReply reply) { promise->set_value(std::move(reply)); });
-        });
-        return promise->get_future();
-    }
-    SeaTime watermark() {
-        return on_loop([this] { return authority->watermark(); });
-    }
-
-    IoLoop loop;
-    InMemoryEventLog log;
-    std::unique_ptr<World> world;
-    std::unique_ptr<LandWorker> worker;
-    std::unique_ptr<SeaAuthority> authority;
-    std::unique_ptr<SeaService> sea;
-    std::unique_ptr<SessionServer> sessions;
-    std::unique_ptr<Listener> listener;
-    std::thread thread;
-};
 
 TEST_F(RealServer, WindTakesHoldNoEarlierThanAnyWatermarkGivenBefore) {
     start(nullptr, scene_with_wind());
@@ -164,12 +69,11 @@ TEST_F(RealServer, TooManyWaitingCommandsAreRefused) {
         for (uint32_t i = 1; i <= SeaAuthority::most_waiting + 3; ++i) {
             auto promise = std::make_shared<std::promise<CommandReply>>();
             replies.push_back(promise->get_future());
-            const Command c{
-                i,
-                {},
-                false,
-                i == 1 ? std::variant<StartWind, StopWind, ListBoxes, SetRate>{wind_over_the_origin()}
-                       : std::variant<StartWind, StopWind, ListBoxes, SetRate>{StopWind{{99}}}};
+            const Command c{i,
+                            {},
+                            false,
+                            i == 1 ? decltype(Command::action){wind_over_the_origin()}
+                                   : decltype(Command::action){StopWind{{99}}}};
             authority->command(c, [promise](CommandReply reply) { promise->set_value(std::move(reply)); });
         }
         posted.set_value();

@@ -69,5 +69,34 @@ TEST(TerrainChoices, TilesAreTheGrids) {
         EXPECT_EQ(choice.tile(key), make_tile(*grid, key));
 }
 
+// After a change the choice is the one that a new start with the changed grid would make, and only touched tiles are new.
+TEST(TerrainChoices, AChangeTouchesItsTilesAlone) {
+    const auto grid = rough_grid();
+    const TerrainChoice before(grid);
+    auto changed = std::make_shared<TerrainGrid>(*grid);
+    constexpr int64_t sample = 32768;
+    for (size_t row = 100; row < 110; ++row)
+        for (size_t column = 200; column < 220; ++column) changed->heights[row * 513 + column] = 30000;
+    const LatticeRect touched{{199 * sample, 99 * sample}, {220 * sample, 110 * sample}};
+    const TerrainChoice after(before, changed, touched);
+    const TerrainChoice fresh(changed);
+    for (const ViewState& view : {view_at(300, 300, 20), view_at(6700, 3300, 200), view_at(-90000, 0, 9000)})
+        EXPECT_EQ(after.tiles_for(view), fresh.tiles_for(view));
+    int outdated = 0;
+    for (uint32_t level = 0; level < tile_levels(*grid); ++level)
+        for (const TerrainTileKey& key : tiles_at_level(*grid, level)) {
+            EXPECT_EQ(before.revision(key), 0U);
+            if (after.tile(key) != before.tile(key)) {
+                EXPECT_EQ(after.revision(key), 1U);
+            }
+            outdated += after.revision(key) != 0 ? 1 : 0;
+        }
+    EXPECT_GE(outdated, 4) << "one a level at least";
+    EXPECT_LE(outdated, 8);
+    const TerrainChoice again(after, changed, touched);
+    EXPECT_EQ(again.revision({0, 3, 1}), 2U);
+    EXPECT_EQ(again.revision({0, 0, 0}), 0U);
+}
+
 }  // namespace
 }  // namespace trochoid

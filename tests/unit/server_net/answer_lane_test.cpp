@@ -68,14 +68,32 @@ TEST(ControlLanes, BoundedByMessagesAndBytes) {
 }
 
 TEST(TerrainLanes, SendsEachTileOnceWhateverIsWanted) {
+    const auto never_changed = [](const TerrainTileKey&) { return 0U; };
     TerrainLane lane;
-    lane.want({{1, 0, 0}, {0, 0, 0}});
+    lane.want({{1, 0, 0}, {0, 0, 0}}, never_changed);
     EXPECT_EQ(lane.take(), (TerrainTileKey{1, 0, 0}));
-    lane.want({{1, 0, 0}, {0, 1, 0}});
+    lane.want({{1, 0, 0}, {0, 1, 0}}, never_changed);
     EXPECT_EQ(lane.take(), (TerrainTileKey{0, 1, 0}));
     EXPECT_TRUE(lane.idle());
-    lane.want({{0, 0, 0}});
+    lane.want({{0, 0, 0}}, never_changed);
     EXPECT_EQ(lane.take(), (TerrainTileKey{0, 0, 0})) << "given up before it was sent, wanted again";
+    EXPECT_EQ(lane.sent(), 3U);
+}
+
+TEST(TerrainLanes, WhatChangedIsSentAgainWantedOnesFirst) {
+    TerrainLane lane;
+    const auto old_ground = [](const TerrainTileKey&) { return 0U; };
+    lane.want({{1, 0, 0}, {0, 0, 0}, {0, 1, 0}}, old_ground);
+    while (lane.take()) {
+    }
+    const auto new_ground = [](const TerrainTileKey& key) { return key.x == 0 ? 2U : 0U; };
+    lane.want({{0, 1, 0}, {0, 0, 0}}, new_ground);
+    EXPECT_EQ(lane.take(), (TerrainTileKey{0, 0, 0}));
+    EXPECT_EQ(lane.take(), (TerrainTileKey{1, 0, 0}))
+        << "held by the client though the view does not call for it";
+    EXPECT_TRUE(lane.idle());
+    lane.want({{0, 1, 0}, {0, 0, 0}}, new_ground);
+    EXPECT_TRUE(lane.idle());
     EXPECT_EQ(lane.sent(), 3U);
 }
 

@@ -80,6 +80,10 @@ std::vector<TerrainTileKey> FakeSea::tiles_for(const ViewState&) {
     return keys;
 }
 
+uint32_t FakeSea::tile_revision(TerrainTileKey key) const {
+    return static_cast<uint32_t>(key.z * 16 + key.x) < changed_tiles ? 1 : 0;
+}
+
 TerrainTile FakeSea::tile(TerrainTileKey key) {
     TerrainTile tile;
     tile.key = key;
@@ -88,7 +92,7 @@ TerrainTile FakeSea::tile(TerrainTileKey key) {
     tile.spacing_log2 = 15;
     tile.height_step_log2 = 5;
     tile.heights.resize(size_t{terrain_tile_samples} * terrain_tile_samples);
-    uint64_t noise = static_cast<uint64_t>(key.x) + 1;
+    uint64_t noise = static_cast<uint64_t>(key.x) + 1 + 1000U * tile_revision(key);
     for (int16_t& height : tile.heights) height = static_cast<int16_t>(noise = splitmix64(noise));
     return tile;
 }

@@ -12,6 +12,7 @@ public:
     std::atomic<uint32_t> patches{16};
     std::atomic<uint64_t> revision{1};
     std::atomic<uint32_t> tiles{0};
+    std::atomic<uint32_t> changed_tiles{0};  ///< so many of the first are at revision 1, all others at 0
     std::atomic<uint64_t> results_made{0};
     std::atomic<int64_t> refresh_after_us{0};  ///< 0: never
     /// Set before the server starts.
@@ -24,6 +25,7 @@ public:
     InterestDelta change(const InterestState& base, const InterestState& target,
                          const CullKey& key) const override;
     std::vector<TerrainTileKey> tiles_for(const ViewState& view) override;
+    uint32_t tile_revision(TerrainTileKey key) const override;
     TerrainTile tile(TerrainTileKey key) override;
     void command(const Command& command, Role role, std::function<void(CommandReply)> reply) override;
     BoxList list_boxes() const override;

@@ -1,4 +1,6 @@
 #include <chrono>
+#include <map>
+#include <vector>
 
 #include "protocol/model/self_check.hpp"
 #include "protocol/units/operator_error.hpp"
@@ -214,6 +216,72 @@ TEST_F(Sessions, TerrainComesAfterTheFirstResultEachTileOnce) {
         }
     }
     EXPECT_EQ(stats().terrain_tiles, 100U);
+}
+
+TEST_F(Sessions, TilesThatChangeAreSentAgainAndNoOthers) {
+    sea.tiles = 20;
+    start();
+    RawClient client(port());
+    ASSERT_TRUE(client.log_in());
+    std::map<std::pair<int32_t, int32_t>, TerrainTile> tiles;
+    const auto receive_tiles = [&](size_t count) {
+        for (size_t got = 0; got < count;) {
+            const auto message = client.receive();
+            ASSERT_TRUE(message) << got;
+            if (const auto* delta = std::get_if<Delta>(&*message)) client.acknowledge(*delta);
+            if (const auto* tile = std::get_if<TerrainTiles>(&*message)) {
+                for (const TerrainTile& one : tile->tiles) tiles[{one.key.x, one.key.z}] = one;
+                ++got;
+            }
+        }
+    };
+    receive_tiles(20);
+    const auto before = tiles;
+    sea.changed_tiles = 3;
+    change_sea();
+    receive_tiles(3);
+    for (const auto& [place, tile] : tiles) {
+        EXPECT_EQ(tile, sea.tile(tile.key));
+        EXPECT_EQ(tile == before.at(place), place.second > 0 || place.first >= 3);
+    }
+    // A tile that changes while the view does not call for it comes too: the client would go on showing it.
+    sea.tiles = 1;
+    sea.changed_tiles = 5;
+    change_sea();
+    receive_tiles(2);
+    EXPECT_EQ(stats().terrain_tiles, 25U);
+    change_sea();
+    EXPECT_FALSE(client.wait_for<TerrainTiles>(milliseconds(300))) << "nothing else is out of date";
+}
+
+TEST_F(Sessions, EveryNewCommandIsADirectorsAndCountsForTheLimit) {
+    limits.commands_per_second = 3;
+    start();
+    const std::vector<decltype(Command::action)> actions{StartShip{}, Steer{{1}, 0.0F, 1.0F},
+                                                         ChangeLand{{{0, 0}, {1024, 0}}, 20.0F, 3.0F, false}};
+    RawClient viewer(port());
+    ASSERT_TRUE(viewer.log_in());
+    RawClient director(port());
+    ClientHello hello = RawClient::usual_hello();
+    hello.token = "secret";
+    ASSERT_TRUE(director.log_in(hello));
+    uint32_t sequence = 0;
+    for (const auto& action : actions) {
+        ++sequence;
+        viewer.send(Command{sequence, {}, false, action});
+        const auto refused = viewer.wait_for<CommandReply>();
+        ASSERT_TRUE(refused);
+        EXPECT_EQ(refused->code, ErrorCode::token_required) << sequence;
+        director.send(Command{sequence, {}, false, action});
+        const auto done = director.wait_for<CommandReply>();
+        ASSERT_TRUE(done);
+        EXPECT_EQ(done->code, ErrorCode::none) << sequence;
+        EXPECT_EQ(done->sequence, sequence);
+    }
+    director.send(Command{++sequence, {}, false, Steer{{1}, 0.0F, 1.0F}});
+    const auto limited = director.wait_for<CommandReply>();
+    ASSERT_TRUE(limited);
+    EXPECT_EQ(limited->code, ErrorCode::rate_limited);
 }
 
 TEST_F(Sessions, ShutdownSaysGoodbyeWithARetryTimeToEveryone) {

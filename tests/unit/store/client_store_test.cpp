@@ -238,6 +238,100 @@ TEST_F(StoreTest, a_field_may_change_its_step_whole) {
     EXPECT_EQ(hash_of(*store.snapshot()->interest), hash_of(server.told));
 }
 
+/// A box whose train reads field 6 over 5 over 3.
+std::shared_ptr<const WaveTrainBox> overlaid_box(uint32_t id) {
+    WaveTrainBox b = *box(id, 6);
+    b.overlays = {{{5}, {3}}, {{6}, {5}}};
+    return std::make_shared<const WaveTrainBox>(b);
+}
+
+FieldBlock uneven_block(uint32_t field, int32_t x, uint16_t gain) {
+    const FieldBlock even = block(field, x, 0, 16, gain);
+    auto b = std::make_shared<LandBlock>(*even.block);
+    for (size_t i = 0; i < b->shift.size(); ++i) {
+        b->shift[i] = static_cast<int32_t>(i * field * 40);
+        b->orbit[i] = static_cast<uint16_t>(unit_node_orbit + i * gain / 500);
+    }
+    return {even.field, even.step_log2, b, 0};
+}
+
+/// The box's sea as a server prepares it, from whole fields.
+Sea servers_sea(const WaveTrainBox& record, const std::vector<FieldBlock>& blocks) {
+    std::map<FieldId, std::shared_ptr<LandField>> fields;
+    for (const FieldBlock& b : blocks) {
+        auto& field = fields[b.field];
+        if (!field) field = std::make_shared<LandField>(b.field, b.step_log2);
+        field->set(b.block);
+    }
+    std::vector<std::shared_ptr<const LandField>> all;
+    for (const auto& [id, field] : fields) all.push_back(field);
+    return Sea({prepare(record, all)});
+}
+
+uint64_t hash_at(const SeaInstant& sea, LatticePoint p) {
+    const SurfaceSample sample = sea.evaluate(p);
+    return hash_of(std::span(&sample, 1));
+}
+
+/// Bits of both seas over blocks -1 to 4 (each 1,048,576 lattice units wide).
+void expect_same_sea(const Sea& ours, const Sea& servers) {
+    for (int64_t t : {1'000LL, 123'456'789LL}) {
+        const SeaInstant a(ours, {t});
+        const SeaInstant b(servers, {t});
+        for (int64_t i = 0; i < 600; ++i) {
+            const LatticePoint p{-1'000'000 + i * 9'973, (i * 7'919) % 1'000'000};
+            ASSERT_EQ(hash_at(a, p), hash_at(b, p)) << "x " << p.x;
+        }
+    }
+}
+
+TEST_F(StoreTest, a_sea_with_overlays_is_the_servers_to_the_bit) {
+    const auto record = overlaid_box(1);
+    std::vector<FieldBlock> blocks{uneven_block(3, 0, 20000), uneven_block(3, 1, 24000),
+                                   uneven_block(3, 2, 28000), uneven_block(5, 1, 10000),
+                                   uneven_block(5, 2, 12000), uneven_block(6, 2, 40000)};
+    // Water that is open again has to be told: a trivial block over one that is not.
+    blocks.push_back(block(6, 0, 0, 16, unit_node_gain));
+    take(server.tell_one({{record}, {}, blocks, {}, {}, {}}));
+    expect_same_sea(store.snapshot()->sea, servers_sea(*record, blocks));
+}
+
+TEST_F(StoreTest, a_field_without_blocks_of_its_own_reads_its_base) {
+    const auto record = overlaid_box(1);
+    const std::vector<FieldBlock> base{uneven_block(3, 0, 20000)};
+    take(server.tell_one({{record}, {}, base, {}, {}, {}}));
+    expect_same_sea(store.snapshot()->sea, servers_sea(*record, base));
+    WaveTrainBox plain = *record;
+    plain.overlays.clear();
+    const LatticePoint on_land{300'000, 400'000};
+    EXPECT_NE(SeaInstant(servers_sea(plain, base), {1000}).evaluate(on_land).ay,
+              SeaInstant(store.snapshot()->sea, {1000}).evaluate(on_land).ay);
+}
+
+TEST_F(StoreTest, blocks_that_come_and_go_below_an_overlay_count) {
+    const auto record = overlaid_box(1);
+    const auto bystander = box(2, 8);
+    take(server.tell_one({{record, bystander}, {}, {uneven_block(3, 0, 20000)}, {}, {}, {}}));
+    const auto first = store.snapshot();
+    take(server.tell_one({{}, {}, {uneven_block(3, 0, 30000), uneven_block(6, 1, 9000)}, {}, {}, {}}));
+    const auto second = store.snapshot();
+    EXPECT_EQ(second->sea.boxes()[1], first->sea.boxes()[1]);
+    const auto alone = [](const StoreSnapshot& s) { return Sea({s.sea.boxes()[0]}); };
+    expect_same_sea(alone(*second),
+                    servers_sea(*record, {uneven_block(3, 0, 30000), uneven_block(6, 1, 9000)}));
+    take(server.tell_one({{}, {}, {uneven_block(5, 1, 7000)}, {{{6}, {1, 0}}}, {}, {}}));
+    expect_same_sea(alone(*store.snapshot()),
+                    servers_sea(*record, {uneven_block(3, 0, 30000), uneven_block(5, 1, 7000)}));
+    take(server.tell_one({{}, {}, {}, {{{3}, {0, 0}}, {{5}, {1, 0}}}, {}, {}}));
+    expect_same_sea(alone(*store.snapshot()), servers_sea(*record, {}));
+}
+
+TEST_F(StoreTest, a_field_and_its_base_share_one_step) {
+    EXPECT_EQ(refused(server.tell_one(
+                  {{overlaid_box(1)}, {}, {block(3, 0, 0, 16), block(5, 0, 0, 15)}, {}, {}, {}})),
+              ErrorCode::value_out_of_range);
+}
+
 TEST_F(StoreTest, more_than_the_stated_limits_is_a_breach) {
     ServerHello tight = server.hello();
     tight.limits.boxes = 1;
@@ -309,6 +403,25 @@ TEST_F(StoreTest, events_before_the_watermark_are_counted) {
          {},
          {}}));
     EXPECT_EQ(store.counters().late_events, 2U);
+}
+
+TEST_F(StoreTest, a_steered_box_is_late_from_its_new_leg_on) {
+    WaveTrainBox storm = *box(1);
+    storm.length = storm.width = 1 << 20;
+    storm.course = {{{0}, 900'000'000, {0, 0}, 17180, 0}};
+    const auto told = [](const WaveTrainBox& b) { return std::make_shared<const WaveTrainBox>(b); };
+    server.key.log_position = {1};
+    Delta first = server.tell_one({{told(storm)}, {}, {}, {}, {}, {}});
+    first.watermark = {500'000'000};
+    take(first);
+    storm.course.push_back({{600'000'000}, 900'000'000, {614'400, 0}, 0, 17180});
+    server.key.log_position = {2};
+    take(server.tell_one({{told(storm)}, {}, {}, {}, {}, {}}));
+    EXPECT_EQ(store.counters().late_events, 0U);
+    storm.course.back().from = {499'999'999};
+    server.key.log_position = {3};
+    take(server.tell_one({{told(storm)}, {}, {}, {}, {}, {}}));
+    EXPECT_EQ(store.counters().late_events, 1U);
 }
 
 TEST_F(StoreTest, tiles_have_to_belong_to_the_terrain) {

@@ -76,12 +76,14 @@ TEST(SessionRules, TheHighestCommonVersionOrACode) {
         hello.protocol_max = most;
         return common_version(hello);
     };
-    EXPECT_EQ(*with(1, 1), 1);
+    EXPECT_EQ(*with(2, 2), 2);
     EXPECT_EQ(*with(0, 9), protocol_version_max);
-    EXPECT_EQ(with(2, 9).error().code, ErrorCode::protocol_version);
+    EXPECT_EQ(with(3, 9).error().code, ErrorCode::protocol_version);
+    EXPECT_EQ(with(1, 1).error().code, ErrorCode::protocol_version)
+        << "its boxes and winds are laid out otherwise";
     EXPECT_EQ(with(0, 0).error().code, ErrorCode::protocol_version);
     hello.model = model_version + 1;
-    EXPECT_EQ(with(1, 1).error().code, ErrorCode::model_version);
+    EXPECT_EQ(with(2, 2).error().code, ErrorCode::model_version);
 }
 
 TEST(SessionRules, AGoodbyeNamesTheRequirementAndWhetherToRetry) {
@@ -89,6 +91,8 @@ TEST(SessionRules, AGoodbyeNamesTheRequirementAndWhetherToRetry) {
     EXPECT_EQ(broken.code, ErrorCode::not_finite);
     EXPECT_EQ(broken.message, "view.qx is not finite");
     EXPECT_EQ(broken.requirement, requirement::finite_numbers);
+    EXPECT_EQ(requirement_of(ErrorCode::too_many_legs), requirement::ranges);
+    EXPECT_EQ(requirement_of(ErrorCode::not_moving), 0) << "an answer to a command, no breach";
     EXPECT_EQ(broken.offending_sequence, 12U);
     EXPECT_FALSE(broken.retry);
     const Goodbye busy = goodbye_for({ErrorCode::too_many_sessions, "full"});

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 
 namespace trochoid {
 namespace {
@@ -20,6 +21,23 @@ TEST(IntegerMath, AgreesWithLongDoubleToTheLastBitsOfADouble) {
         EXPECT_NEAR(sine_of_half_turns(x), static_cast<double>(std::sin(pi_l * static_cast<long double>(x))),
                     1e-16)
             << x;
+}
+
+TEST(IntegerMath, ExponentialAndHyperbolicTangentAgreeWithLongDouble) {
+    for (double x = -699.7; x < 700.0; x += 0.137) {
+        const long double exact = std::exp(static_cast<long double>(x));
+        EXPECT_LE(std::abs(static_cast<long double>(exponential(x)) - exact), 2.3e-16L * exact) << x;
+    }
+    EXPECT_EQ(exponential(0.0), 1.0);
+    EXPECT_EQ(exponential(-1e300), 0.0);
+    EXPECT_EQ(exponential(-std::numeric_limits<double>::infinity()), 0.0);
+    for (double x = 1e-12; x < 30.0; x *= 1.013) {
+        const long double exact = std::tanh(static_cast<long double>(x));
+        EXPECT_LE(std::abs(static_cast<long double>(hyperbolic_tangent(x)) - exact), 4.5e-16L * exact) << x;
+    }
+    EXPECT_EQ(hyperbolic_tangent(0.0), 0.0);
+    EXPECT_NEAR(power(1.7, -3.3), std::pow(1.7, -3.3), 1e-16);
+    EXPECT_NEAR(cosine_of_half_turns(1.0 / 3.0), 0.5, 1e-16);
 }
 
 TEST(IntegerMath, HeadingsTurnClockwiseFromNorth) {

@@ -6,6 +6,7 @@
 
 #include "protocol/units/hash.hpp"
 #include "server/world/dispersion.hpp"
+#include "server/world/ship_box.hpp"
 #include "server/world/wind_box.hpp"
 
 namespace trochoid {
@@ -50,7 +51,7 @@ TEST(Steepness, StaysWithinTheLimitAtEveryPointAndTime) {
         double sum = 0.0;
         int here = 0;
         for (const WaveTrainBox& box : boxes) {
-            const BoxPosition at = box_position(box, p);
+            const BoxPosition at = box_position(box, instant_of(box, box.begin), p);
             if (at.u < 0 || at.u > box.length || at.v < 0 || at.v > box.width || !alive(box, t, t + 1))
                 continue;
             for (const WaveTrain& train : box.trains)
@@ -108,7 +109,7 @@ TEST(Steepness, OverlapNeverMissesACommonPoint) {
                 const int64_t av = a.width * v / 24;
                 const LatticePoint p{a.origin.x + ((au * a.ux - av * a.uz) >> 30),
                                      a.origin.z + ((au * a.uz + av * a.ux) >> 30)};
-                const BoxPosition at = box_position(b, p);
+                const BoxPosition at = box_position(b, instant_of(b, b.begin), p);
                 common = common || (at.u >= 0 && at.u <= b.length && at.v >= 0 && at.v <= b.width);
             }
         const bool same_time = a.begin < b.end + b.decay_us && b.begin < a.end + a.decay_us;
@@ -131,6 +132,137 @@ TEST(Steepness, UnlimitedSidesReachEverywhere) {
     far.begin = everywhere.begin;
     EXPECT_TRUE(may_overlap(everywhere, far));
     EXPECT_FALSE(may_overlap(random_wind(1, 1), far));
+}
+
+/// A ship's box that sails east from (x, z) metres.
+WaveTrainBox ship_at(double x, double z, float towards, SeaTime begin, uint32_t id) {
+    StartShip ship;
+    ship.at = {to_lattice(x), to_lattice(z)};
+    ship.towards_degrees = towards;
+    ship.speed = 5.0F;
+    auto box = box_of(ship, begin, {{id}, {id * 64}});
+    EXPECT_TRUE(box);
+    return *box;
+}
+
+// Against a slow obvious twin: both boxes at every few seconds, corner by corner.
+TEST(Steepness, MovingBoxesOverlapOnlyWhereTheyMeet) {
+    int meetings = 0;
+    int misses = 0;
+    for (uint64_t i = 1; i <= 150; ++i) {
+        const WaveTrainBox a = ship_at(0.0, 0.0, 90.0F, {0}, 1);
+        WaveTrainBox b = ship_at(drawn(i, 1, -2500.0, 5000.0), drawn(i, 2, -2500.0, 2500.0),
+                                 static_cast<float>(drawn(i, 3, 0.0, 359.0)), {0}, 2);
+        b.end = b.begin + 1000 * second;
+        b.decay_us = 10 * second;
+        bool meet = false;
+        for (int64_t s = 0; s < 1010 && !meet; s += 5)
+            for (int64_t u = 0; u <= 20 && !meet; ++u)
+                for (int64_t v = 0; v <= 20; ++v) {
+                    const LatticePoint corner = instant_of(a, {s * second}).origin;
+                    const int64_t au = a.length * u / 20, av = a.width * v / 20;
+                    const LatticePoint p{corner.x + ((au * a.ux - av * a.uz) >> 30),
+                                         corner.z + ((au * a.uz + av * a.ux) >> 30)};
+                    const BoxPosition at = box_position(b, instant_of(b, {s * second}), p);
+                    meet = meet ||
+                           (at.in_reach && at.u >= 0 && at.u <= b.length && at.v >= 0 && at.v <= b.width);
+                }
+        EXPECT_EQ(may_overlap(a, b), may_overlap(b, a));
+        if (meet) {
+            EXPECT_TRUE(may_overlap(a, b)) << i;
+        }
+        meetings += meet ? 1 : 0;
+        misses += may_overlap(a, b) ? 0 : 1;
+    }
+    EXPECT_GT(meetings, 10);
+    EXPECT_GT(misses, 10) << "everything counts as overlapping";
+}
+
+TEST(Steepness, ShipsThatPassAtAnotherTimeDoNotMeet) {
+    const WaveTrainBox west = ship_at(-4000.0, 0.0, 90.0F, {0}, 1);
+    EXPECT_TRUE(may_overlap(west, ship_at(0.0, 0.0, 270.0F, {0}, 2))) << "head on";
+    EXPECT_FALSE(may_overlap(west, ship_at(0.0, 0.0, 90.0F, {0}, 2))) << "one behind the other, equally fast";
+    EXPECT_FALSE(may_overlap(west, ship_at(0.0, 6000.0, 90.0F, {0}, 2))) << "side by side";
+}
+
+TEST(Steepness, AWindThatMayBeSteeredCountsEverywhere) {
+    WaveTrainBox storm = random_wind(1, 1);
+    const WaveTrainBox far = [] {
+        WaveTrainBox box = random_wind(1, 2);
+        box.origin = {world_bound / 2, world_bound / 2};
+        return box;
+    }();
+    EXPECT_FALSE(may_overlap(storm, far));
+    storm.course = {{storm.begin, 1000 * second, storm.origin, 10000, 0}};
+    EXPECT_TRUE(may_overlap(storm, far));
+    WaveTrainBox later = far;
+    later.begin = storm.end + storm.decay_us;
+    later.end = later.begin + second;
+    EXPECT_FALSE(may_overlap(storm, later)) << "but only while it lasts";
+}
+
+TEST(Steepness, RoundAndIrregularWavesCountForWhatTheyAdd) {
+    WaveTrainBox box = random_wind(4, 1);
+    box.trains.resize(1);
+    const QuantisedVector along =
+        quantise(0.1, {static_cast<double>(box.ux) * 0x1p-30, static_cast<double>(box.uz) * 0x1p-30});
+    box.trains[0].kx = along.kx;
+    box.trains[0].kz = along.kz;
+    const double plain = steepness_of(box);
+    box.roundness = full_roundness;
+    EXPECT_NEAR(steepness_of(box), plain * std::sqrt(2.0), plain * 1e-4);
+    box.roundness = full_roundness / 2;
+    EXPECT_NEAR(steepness_of(box), plain * std::sqrt(1.25), plain * 1e-4);
+    box.roundness = 0;
+    box.irregular.share = full_irregularity / 4;
+    EXPECT_NEAR(steepness_of(box), plain * 1.25, plain * 1e-6);
+    // Across the box the phase's lean adds fully.
+    box.irregular.share = 0;
+    box.roundness = full_roundness;
+    box.trains[0].kx = -along.kz;
+    box.trains[0].kz = along.kx;
+    EXPECT_NEAR(steepness_of(box), plain * 2.0, plain * 1e-4);
+}
+
+// No slope that the wake's own samples show is above what is counted, which is not far above either.
+TEST(Steepness, AWakeIsNotSteeperThanCounted) {
+    const WaveTrainBox box = ship_at(0.0, 0.0, 0.0F, {0}, 1);
+    double steepest = 0.0;
+    const auto add = [&](const WakeWave& wave, float amplitude) {
+        return static_cast<double>(amplitude) * static_cast<double>(wave.gain) * 0x1p-24 *
+               std::hypot(static_cast<double>(wave.ku), static_cast<double>(wave.kv));
+    };
+    constexpr int64_t far_behind = INT32_MAX;
+    for (int64_t behind = 1; behind < 400; ++behind)
+        for (int64_t aside = 0; aside <= behind * 2 / 5; ++aside) {
+            const WakeSample s = wake_at(box.wake, behind * 512, aside * 512, far_behind, 0);
+            steepest = std::max(
+                steepest, add(s.transverse, box.wake.transverse) + add(s.diverging, box.wake.diverging));
+        }
+    EXPECT_LE(steepest, steepness_of(box));
+    EXPECT_GT(steepest, 0.4 * steepness_of(box));
+    WaveTrainBox limited = box;
+    limit_steepness(limited, 1.0, {});
+    EXPECT_LE(steepness_of(limited), 0.48);
+    EXPECT_EQ(limited.wake.transverse, box.wake.transverse);
+}
+
+TEST(Steepness, ASuccessorIsNotCountedAgainstItsPredecessor) {
+    WaveTrainBox old = random_wind(7, 1);
+    limit_steepness(old, 1.0, {});
+    WaveTrainBox next = old;
+    next.id = {2};
+    WaveTrainBox unchanged = next;
+    const SteepBox only_old[] = {{&old, 1.0}};
+    limit_successor(next, {1}, 1.0, only_old);
+    EXPECT_EQ(next, unchanged);
+    limit_steepness(unchanged, 1.0, only_old);
+    EXPECT_LT(steepness_of(unchanged), 0.5 * steepness_of(next)) << "a stranger would be";
+    // A third box counts the two as one.
+    const SteepBox both[] = {{&old, 1.0}, {&next, 1.0, {1}}};
+    WaveTrainBox third = random_wind(7, 3);
+    limit_steepness(third, 1.0, both);
+    EXPECT_NEAR(steepness_of(third), 0.6 * (0.8 - steepness_of(old)), 1e-5);
 }
 
 }  // namespace

@@ -132,7 +132,7 @@ TEST(World, RefusedWindsCarryTheirCode) {
     wind.speed = 100.0F;
     EXPECT_EQ(world.plan(wind, {0}).error().code, ErrorCode::value_out_of_range);
     wind = gale();
-    wind.trains = 65;
+    wind.trains = 257;
     EXPECT_EQ(world.plan(wind, {0}).error().code, ErrorCode::too_many_trains);
     EXPECT_EQ(world.state()->log_position, LogPosition{0});
 }
@@ -275,8 +275,8 @@ TEST(World, SummariesTellHeightAndGrowth) {
     EXPECT_EQ(list[0].trains, 8);
     EXPECT_EQ(list[0].wind_speed, 16.0F);
     EXPECT_NEAR(list[0].gain_now, 0.5F, 1e-5F);
-    // 6 km under 16 m/s: JONSWAP's 0.0016 * U10 * sqrt(F/g).
-    EXPECT_NEAR(list[0].significant_height, 0.617F, 0.001F);
+    // 6 km under 16 m/s: JONSWAP's 0.00126 x^0.557 U10^2/g, x = g F/U10^2.
+    EXPECT_NEAR(list[0].significant_height, 0.643F, 0.002F);
     EXPECT_EQ(summaries(*world.state(), {-1})[0].gain_now, 0.0F);
 }
 

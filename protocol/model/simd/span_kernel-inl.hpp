@@ -1,0 +1,322 @@
+// The inner loop of all: trains of a stretch, added in order to accumulators that stay in registers.
+#if defined(TROCHOID_SIMD_KERNEL_INL) == defined(HWY_TARGET_TOGGLE)
+#ifdef TROCHOID_SIMD_KERNEL_INL
+#undef TROCHOID_SIMD_KERNEL_INL
+#else
+#define TROCHOID_SIMD_KERNEL_INL
+#endif
+
+#include "protocol/model/simd/scratch.hpp"
+#include "protocol/model/simd/span_noise-inl.hpp"
+#include "protocol/model/simd/span_shape-inl.hpp"
+#include "protocol/model/simd/vectors-inl.hpp"
+
+HWY_BEFORE_NAMESPACE();
+namespace trochoid::simd::HWY_NAMESPACE {
+
+/// Which accumulators are wanted, bits.
+constexpr int sum_y = 1;       // ay
+constexpr int sum_xz = 2;      // ax, az
+constexpr int sum_slope = 4;   // bx, bz
+constexpr int sum_matrix = 8;  // mxx, mxz, mzx, mzz
+constexpr int sum_speed = 16;  // vx, vy, vz
+constexpr int sum_displacement = sum_y | sum_xz;
+constexpr int sum_normal = sum_displacement | sum_slope | sum_matrix;
+constexpr int sum_all = sum_normal | sum_speed;
+constexpr int sum_newton = sum_xz | sum_matrix;
+
+struct Sums {
+    VecF ax, ay, az, bx, bz, mxx, mxz, mzx, mzz, vx, vy, vz;
+};
+
+template <int parts, class Visit>
+HWY_INLINE void visit_sums(Sums& s, SpanSums& m, Visit visit) {
+    if constexpr ((parts & sum_xz) != 0) visit(s.ax, m.ax);
+    if constexpr ((parts & sum_y) != 0) visit(s.ay, m.ay);
+    if constexpr ((parts & sum_xz) != 0) visit(s.az, m.az);
+    if constexpr ((parts & sum_slope) != 0) {
+        visit(s.bx, m.bx);
+        visit(s.bz, m.bz);
+    }
+    if constexpr ((parts & sum_matrix) != 0) {
+        visit(s.mxx, m.mxx);
+        visit(s.mxz, m.mxz);
+        visit(s.mzx, m.mzx);
+        visit(s.mzz, m.mzz);
+    }
+    if constexpr ((parts & sum_speed) != 0) {
+        visit(s.vx, m.vx);
+        visit(s.vy, m.vy);
+        visit(s.vz, m.vz);
+    }
+}
+
+/// Phases along a grid's row: one vector a train, moved on by one vector's width each time it is read.
+struct RowPhases {
+    PhaseVector* table;
+    HWY_INLINE VecU take(const TrainRow&, size_t train) const {
+        uint32_t* at = table[train].turns.data();
+        const VecU phase = hn::Load(du, at);
+        hn::Store(hn::Add(phase, hn::Set(du, table[train].step)), du, at);
+        return phase;
+    }
+    /// Passes over a vector that needs no sum.
+    HWY_INLINE void skip(const TrainRow& row, size_t train) const { take(row, train); }
+};
+
+/// Phases at places.
+struct PlacePhases {
+    VecU x, z;
+    HWY_INLINE VecU take(const TrainRow& row, size_t) const {
+        return hn::Add(hn::Add(hn::Mul(hn::Set(du, row.kx), x), hn::Mul(hn::Set(du, row.kz), z)),
+                       hn::Set(du, row.phase));
+    }
+    HWY_INLINE void skip(const TrainRow&, size_t) const {}
+};
+
+/// Adds one train from its gained sine and cosine, without any gradient: every product of constants is ready.
+template <int parts>
+HWY_INLINE void add_ready(const TrainRow& row, VecF s, VecF c, Sums& acc) {
+    if constexpr ((parts & sum_xz) != 0) accumulate(acc.ax, splat(row.hx), s);
+    if constexpr ((parts & sum_y) != 0) accumulate(acc.ay, splat(row.a), c);
+    if constexpr ((parts & sum_xz) != 0) accumulate(acc.az, splat(row.hz), s);
+    if constexpr ((parts & sum_slope) != 0) {
+        accumulate(acc.bx, splat(row.akx), s);
+        accumulate(acc.bz, splat(row.akz), s);
+    }
+    if constexpr ((parts & sum_matrix) != 0) {
+        accumulate(acc.mxx, splat(row.hxkx), c);
+        accumulate(acc.mxz, splat(row.hxkz), c);
+        accumulate(acc.mzx, splat(row.hzkx), c);
+        accumulate(acc.mzz, splat(row.hzkz), c);
+    }
+    if constexpr ((parts & sum_speed) != 0) {
+        accumulate(acc.vx, splat(row.vx), c);
+        accumulate(acc.vy, splat(row.vy), s);
+        accumulate(acc.vz, splat(row.vz), c);
+    }
+}
+
+/// With 32 registers three trains can be under way at once; with 16 the accumulators would not stay in registers.
+constexpr bool many_registers = lanes == 16 || (HWY_ARCH_ARM != 0);
+
+/// Trains [first, end) in order, in steps that overlap, as none of them could be waited for: the next train's angle, with many
+/// registers also the next one's sine, are on their way while one is added. `phase(t)` gives a phase, `add_train(t, wave)` adds.
+template <bool deep, class Phase, class AddTrain>
+HWY_INLINE void sum_run(size_t first, size_t end, Phase phase, AddTrain add_train) {
+    Angle angle = angle_of(phase(first));
+    if constexpr (deep) {
+        Wave wave = wave_of(angle);
+        size_t t = first + 1;
+        if (t < end) {
+            angle = angle_of(phase(t));
+            for (++t; t < end; ++t) {
+                const Angle next_angle = angle_of(phase(t));
+                const Wave next_wave = wave_of(angle);
+                add_train(t - 2, wave);
+                angle = next_angle;
+                wave = next_wave;
+            }
+            const Wave last = wave_of(angle);
+            add_train(end - 2, wave);
+            wave = last;
+        }
+        add_train(end - 1, wave);
+    } else {
+        for (size_t t = first + 1; t < end; ++t) {
+            const Angle next = angle_of(phase(t));
+            add_train(t - 1, wave_of(angle));
+            angle = next;
+        }
+        add_train(end - 1, wave_of(angle));
+    }
+}
+
+/// Trains where the envelope is full and nothing else acts.
+template <int parts, bool unit_gain, class Phases>
+HWY_INLINE void sum_fast(const TrainRow* rows, size_t count, const Phases& phases, Sums& acc) {
+    sum_run<many_registers>(
+        0, count, [&](size_t t) HWY_ATTR { return phases.take(rows[t], t); },
+        [&](size_t t, const Wave& wave) HWY_ATTR {
+            if constexpr (unit_gain) {
+                add_ready<parts>(rows[t], wave.sine, wave.cosine, acc);
+            } else {
+                const VecF g = splat(rows[t].g);
+                add_ready<parts>(rows[t], mul(g, wave.sine), mul(g, wave.cosine), acc);
+            }
+        });
+}
+
+/// A vector of a SpanLocal, in registers over a run of trains.
+struct Shape {
+    VecU shift;
+    VecF g, gx, gz, gh, ghx, ghz, qx, qz;
+};
+HWY_INLINE Shape shape_at(const SpanLocal& l, size_t i) {
+    return {hn::Load(du, &l.shift[i]), hn::Load(df, &l.g[i]),  hn::Load(df, &l.gx[i]),
+            hn::Load(df, &l.gz[i]),    hn::Load(df, &l.gh[i]), hn::Load(df, &l.ghx[i]),
+            hn::Load(df, &l.ghz[i]),   hn::Load(df, &l.qx[i]), hn::Load(df, &l.qz[i])};
+}
+
+/// Adds one train with everything that may shape it. Terms that are 0 change no bit, as no accumulator is ever -0.
+template <int parts>
+HWY_INLINE void add_shaped(const TrainRow& row, const Shape& l, VecF qx, VecF qz, const Wave& wave,
+                           Sums& acc) {
+    const VecF sine = wave.sine;
+    const VecF cosine = wave.cosine;
+    const VecF sh = mul(l.gh, sine);
+    const VecF ch = mul(l.gh, cosine);
+    const VecF hx = splat(row.hx);
+    const VecF a = splat(row.a);
+    const VecF hz = splat(row.hz);
+    if constexpr ((parts & sum_xz) != 0) accumulate(acc.ax, hx, sh);
+    if constexpr ((parts & sum_y) != 0) accumulate(acc.ay, a, mul(l.g, cosine));
+    if constexpr ((parts & sum_xz) != 0) accumulate(acc.az, hz, sh);
+    const VecF kx = add(splat(row.wave_kx), qx);
+    const VecF kz = add(splat(row.wave_kz), qz);
+    if constexpr ((parts & sum_slope) != 0) {
+        const VecF s = mul(l.g, sine);
+        accumulate(acc.bx, mul(a, kx), s);
+        accumulate(acc.bz, mul(a, kz), s);
+        accumulate(acc.bx, mul(a, hn::Neg(l.gx)), cosine);
+        accumulate(acc.bz, mul(a, hn::Neg(l.gz)), cosine);
+    }
+    if constexpr ((parts & sum_matrix) != 0) {
+        accumulate(acc.mxx, mul(hx, kx), ch);
+        accumulate(acc.mxz, mul(hx, kz), ch);
+        accumulate(acc.mzx, mul(hz, kx), ch);
+        accumulate(acc.mzz, mul(hz, kz), ch);
+        accumulate(acc.mxx, mul(hx, l.ghx), sine);
+        accumulate(acc.mxz, mul(hx, l.ghz), sine);
+        accumulate(acc.mzx, mul(hz, l.ghx), sine);
+        accumulate(acc.mzz, mul(hz, l.ghz), sine);
+    }
+    if constexpr ((parts & sum_speed) != 0) {
+        accumulate(acc.vx, splat(row.vx), ch);
+        accumulate(acc.vy, splat(row.vy), mul(l.g, sine));
+        accumulate(acc.vz, splat(row.vz), ch);
+    }
+}
+
+/// A run of trains of one field.
+template <int parts, class Phases>
+HWY_INLINE void sum_shaped(const TrainRow* rows, size_t first, size_t end, const Shape& l,
+                           const Phases& phases, Sums& acc) {
+    sum_run<many_registers && parts == sum_newton>(
+        first, end, [&](size_t t) HWY_ATTR { return hn::Add(phases.take(rows[t], t), l.shift); },
+        [&](size_t t, const Wave& wave) HWY_ATTR { add_shaped<parts>(rows[t], l, l.qx, l.qz, wave, acc); });
+}
+
+/// A run whose gain alone varies from point to point: without any gradient.
+template <int parts, class Phases>
+HWY_INLINE void sum_gained(const TrainRow* rows, size_t first, size_t end, const Shape& l,
+                           const Phases& phases, Sums& acc) {
+    sum_run<many_registers>(
+        first, end, [&](size_t t) HWY_ATTR { return hn::Add(phases.take(rows[t], t), l.shift); },
+        [&](size_t t, const Wave& wave)
+            HWY_ATTR { add_ready<parts>(rows[t], mul(l.g, wave.sine), mul(l.g, wave.cosine), acc); });
+}
+
+/// round_shift of a train: what it adds to the phase and to its gradient.
+HWY_INLINE void bend_round(const PlannedBox& box, const SpanEnvelope& e, const TrainRow& row, size_t i,
+                           VecU& phase, VecF& qx, VecF& qz) {
+    const VecU off = hn::Load(du, &e.off[i]);
+    const VecU part = hn::Load(du, &e.part[i]);
+    const VecU number = hn::Set(du, row.round_wave_number);
+    const VecU whole = mul_shift<31>(part, number);
+    const VecU rest = hn::And(hn::Mul(part, number), hn::Set(du, 0x7fffffffU));
+    phase = hn::Add(phase, hn::Add(hn::Mul(off, whole), mul_shift<31>(off, rest)));
+    const VecF steepness = mul(mul(float_of(whole), splat(0x1p-21F)), splat(0x1.921fb6p+2F));
+    const VecF slope = hn::Xor(steepness, hn::BitCast(df, hn::Load(du, &e.side[i])));
+    qx = add(mul(slope, splat(-box.uz)), qx);
+    qz = add(mul(slope, splat(box.ux)), qz);
+}
+
+/// Anything: gains, gradients, land, round waves; by runs of trains of one field.
+template <int parts, class Phases>
+HWY_INLINE void sum_general(const PlannedBox& box, const Scratch& at, const TrainRow* rows, size_t count,
+                            size_t i, const Phases& phases, Sums& acc) {
+    for (size_t first = 0; first < count;) {
+        size_t end = first + 1;
+        while (end < count && rows[end].local == rows[first].local) ++end;
+        const SpanLocal& local = at.locals[static_cast<size_t>(rows[first].local)];
+        const uint8_t needs = local.needs[i];
+        const Shape shape = shape_at(local, i);
+        if (needs == 0) {
+            for (size_t t = first; t < end; ++t) phases.skip(rows[t], t);
+        } else if (box.round) {
+            for (size_t t = first; t < end; ++t) {
+                VecU phase = hn::Add(phases.take(rows[t], t), shape.shift);
+                VecF qx = shape.qx;
+                VecF qz = shape.qz;
+                bend_round(box, at.envelope, rows[t], i, phase, qx, qz);
+                add_shaped<parts>(rows[t], shape, qx, qz, wave_of(phase), acc);
+            }
+        } else if ((needs & (needs_gradient | needs_orbit | needs_bend)) != 0) {
+            sum_shaped<parts>(rows, first, end, shape, phases, acc);
+        } else {
+            sum_gained<parts>(rows, first, end, shape, phases, acc);
+        }
+        first = end;
+    }
+}
+
+/// One stretch over a span. `first`: nothing has been summed yet.
+template <int parts, class MakePhases>
+HWY_INLINE void sum_stretch(const Plan& plan, const Stretch& stretch, bool first, int n, Scratch& at,
+                            MakePhases make_phases) {
+    const TrainRow* rows = plan.rows.data() + stretch.first_row;
+    const auto count = static_cast<size_t>(stretch.rows);
+    for (size_t i = 0; i < static_cast<size_t>(n); i += lanes) {
+        Sums acc;
+        if (first)
+            visit_sums<parts>(acc, at.sums, [](VecF& v, SpanOf<float>&) HWY_ATTR { v = hn::Zero(df); });
+        else
+            visit_sums<parts>(acc, at.sums,
+                              [i](VecF& v, SpanOf<float>& m) HWY_ATTR { v = hn::Load(df, &m[i]); });
+        const auto phases = make_phases(i);
+        if (stretch.kind == Stretch::Kind::fast_unit)
+            sum_fast<parts, true>(rows, count, phases, acc);
+        else if (stretch.kind == Stretch::Kind::fast)
+            sum_fast<parts, false>(rows, count, phases, acc);
+        else
+            sum_general<parts>(*stretch.box, at, rows, count, i, phases, acc);
+        visit_sums<parts>(acc, at.sums, [i](VecF& v, SpanOf<float>& m) HWY_ATTR { hn::Store(v, df, &m[i]); });
+    }
+}
+
+inline void clear_sums(Scratch& at) {
+    Sums zero;
+    for (size_t i = 0; i < at.padded; i += lanes)
+        visit_sums<sum_all>(zero, at.sums,
+                            [i](VecF&, SpanOf<float>& m) HWY_ATTR { hn::Store(hn::Zero(df), df, &m[i]); });
+}
+
+/// All stretches over a span; `start` readies the phases of a stretch.
+template <int parts, class Start, class MakePhases>
+HWY_INLINE void sum_span(const Plan& plan, int n, Scratch& at, Start start, MakePhases make_phases) {
+    bool first = true;
+    const PlannedBox* shaped = nullptr;
+    place_cells(plan, at);
+    for (const Stretch& stretch : at.stretches) {
+        if (stretch.box != nullptr && stretch.box != shaped) {
+            shape_span(plan, *stretch.box, stretch.full, at, n);
+            shaped = stretch.box;
+        }
+        if (stretch.kind == Stretch::Kind::tail) {
+            if (first) clear_sums(at);
+            if (stretch.box->wake) add_wake(*stretch.box, at, n);
+            if (stretch.box->noise) add_noise_span(*stretch.box, at, n);
+        } else {
+            start(stretch);
+            sum_stretch<parts>(plan, stretch, first, n, at, make_phases);
+        }
+        first = false;
+    }
+    if (first) clear_sums(at);
+}
+
+}  // namespace trochoid::simd::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif

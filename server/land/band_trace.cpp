@@ -1,0 +1,187 @@
+#include "server/land/band_trace.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <thread>
+
+#include "protocol/model/arithmetic_rules.hpp"
+#include "server/land/depth_table.hpp"
+#include "server/land/finite_depth.hpp"
+#include "server/world/steepness.hpp"
+
+namespace trochoid {
+
+namespace {
+
+/// However flat its waves are in the open sea, no land makes a box's steeper than this.
+constexpr double growth_most = 32.0;
+
+/// How much steeper than on open water the land may make the box's waves before they break.
+double growth_allowed(const std::vector<WaveBand>& bands, const LandSettings& settings) {
+    double steepness = 0.0;
+    for (const WaveBand& band : bands) steepness = steepness + two_pi_f64 * band.steepness;
+    const double least = settings.steepness_max / growth_most;
+    return std::max(expected_land_growth, settings.steepness_max / std::max(steepness, least));
+}
+
+/// What a band would grow at the depth where the box's waves break.
+double growth_where_breaking(const DepthResponse& response, double height, const LandSettings& settings) {
+    const double breaking = settings.breaking_ratio > 0.0 ? height / settings.breaking_ratio : 0.0;
+    const double depth = std::max(settings.depth_min, breaking);
+    return std::max(response.wave_number(depth) * response.growth(depth), 1.0);
+}
+
+void mark_live(const TraceInput& in, const BandView& view, TraceWorkspace& work, const BandRestart* restart) {
+    const LandArea& area = *view.area;
+    work.live.assign(static_cast<size_t>(area.blocks_x) * static_cast<size_t>(area.blocks_z), 0);
+    // One block more than is decided, for the cells around its nodes.
+    const double from = restart != nullptr ? restart->along - restart_margin * 0.5 : 0.0;
+    size_t at = 0;
+    for (int32_t bz = 0; bz < area.blocks_z; ++bz) {
+        for (int32_t bx = 0; bx < area.blocks_x; ++bx, ++at) {
+            if (restart != nullptr && !block_reaches(view.band, bx, bz, from)) continue;
+            const BlockOffset real = block_in_area(view, bx, bz);
+            if (block_touches(in.area, real.x, real.z, in.box) && !block_is_open(area, work.field, bx, bz))
+                work.live[at] = 1;
+        }
+    }
+}
+
+bool travels_along_x(const WaveBand& band) { return band.dx * band.dx > band.dz * band.dz; }
+
+LandArea turned(const LandArea& area) {
+    LandArea out = area;
+    std::swap(out.first.x, out.first.z);
+    std::swap(out.blocks_x, out.blocks_z);
+    std::swap(out.belt_min_x, out.belt_min_z);
+    std::swap(out.belt_max_x, out.belt_max_z);
+    for (size_t i = 0; i < out.corners.size(); i += 2) std::swap(out.corners[i], out.corners[i + 1]);
+    return out;
+}
+
+/// Rows to columns, tile by tile, so that both sides stay in the cache.
+std::vector<float> turned(const std::vector<float>& values, size_t nx, size_t nz) {
+    constexpr size_t tile = 32;
+    std::vector<float> out(values.size());
+    for (size_t z0 = 0; z0 < nz; z0 += tile)
+        for (size_t x0 = 0; x0 < nx; x0 += tile)
+            for (size_t x = x0; x < std::min(x0 + tile, nx); ++x)
+                for (size_t z = z0; z < std::min(z0 + tile, nz); ++z) out[x * nz + z] = values[z * nx + x];
+    return out;
+}
+
+template <class Nodes>
+void turn_square(Nodes& nodes) {
+    for (size_t z = 0; z < block_nodes; ++z)
+        for (size_t x = 0; x < z; ++x) std::swap(nodes[z * block_nodes + x], nodes[x * block_nodes + z]);
+}
+
+}  // namespace
+
+TraceInput trace_input(const WaveTrainBox& box, const TerrainGrid& terrain, const LandSettings& settings,
+                       bool with_stats) {
+    TraceInput in{.box = box, .settings = settings};
+    in.with_stats = with_stats;
+    in.area = land_area(box, terrain, settings);
+    in.bands = wave_bands(box);
+    if (in.area.empty() || in.bands.empty()) return in;
+    in.depths = node_depths(in.area, box, terrain, settings.run_up);
+    in.least_depth = *std::min_element(in.depths.begin(), in.depths.end());
+    if (std::any_of(in.bands.begin(), in.bands.end(), travels_along_x)) {
+        in.turned_area = turned(in.area);
+        in.turned_depths =
+            turned(in.depths, static_cast<size_t>(in.area.nodes_x()), static_cast<size_t>(in.area.nodes_z()));
+    }
+    in.open_depth = to_metres(-int64_t{terrain.open_sea_depth}) + settings.run_up;
+    in.height = significant_height(box);
+    std::vector<double> unlimited;
+    for (const WaveBand& band : in.bands)
+        unlimited.push_back(growth_where_breaking(response_of(in, band), in.height, settings));
+    in.allowed = growth_allowances(in.bands, unlimited, growth_allowed(in.bands, settings));
+    return in;
+}
+
+DepthResponse response_of(const TraceInput& in, const WaveBand& band) {
+    return DepthResponse(band.turns_per_metre, in.open_depth, in.height, in.settings);
+}
+
+BandView TraceInput::view(size_t index) const {
+    if (!travels_along_x(bands[index])) return {false, bands[index], &area, depths};
+    BandView view{true, bands[index], &turned_area, turned_depths};
+    std::swap(view.band.dx, view.band.dz);
+    return view;
+}
+
+void copy_block_of(LandBlock& block, const TraceInput& in, const BandView& view, const NodeField& field,
+                   int32_t bx, int32_t bz) {
+    const BlockOffset at = block_in_area(view, bx, bz);
+    copy_block(block, *view.area, field, at.x, at.z);
+    block.key = {in.area.first.x + bx, in.area.first.z + bz};
+    if (!view.turned) return;
+    turn_square(block.shift);
+    turn_square(block.gain);
+    turn_square(block.orbit);
+}
+
+bool block_of_is_open(const BandView& view, const NodeField& field, int32_t bx, int32_t bz) {
+    const BlockOffset at = block_in_area(view, bx, bz);
+    return block_is_open(*view.area, field, at.x, at.z);
+}
+
+BandOutcome trace_band(const TraceInput& in, size_t index, TraceWorkspace& work, const BandRestart* restart) {
+    BandOutcome out;
+    out.memory = std::make_shared<BandMemory>();
+    work.live.clear();
+    const BandView view = in.view(index);
+    const DepthResponse response = response_of(in, view.band);
+    if (in.least_depth >= static_cast<float>(response.untouched())) return out;
+    const DepthTable table(response);
+    set_frame(work.grid, *view.area, view.band, in.settings);
+    fill_node_planes(work.planes, *view.area, view.depths, view.band, table,
+                     in.settings.refraction == Refraction::straight);
+    if (!work.planes.touched) return out;
+    if (restart != nullptr) out.memory->checkpoints = restart->checkpoints;
+    march_band(work.grid, *view.area, work.planes, view.band, response, in.settings, out.memory->checkpoints);
+    if (work.grid.values.empty()) return out;
+    fill_node_field(work.field, *view.area, view.depths, work.grid, table, in.settings);
+    mark_live(in, view, work, restart);
+    out.growth = limit_growth(work.field, *view.area, work.live, view.band, in.allowed[index]);
+    out.touched = true;
+    return out;
+}
+
+void take_growth(TracedLand& land, const TraceInput& in, const std::vector<float>& growths) {
+    double sum = 0.0;
+    double weights = 0.0;
+    double most = 1.0;
+    for (size_t i = 0; i < in.bands.size(); ++i) {
+        const auto growth = static_cast<double>(growths[i]);
+        sum = sum + in.bands[i].steepness * growth;
+        weights = weights + in.bands[i].steepness;
+        most = std::max(most, growth);
+    }
+    // One part in 10^5 covers the roundings of the cells' float32.
+    const double mean = weights > 0.0 ? std::max(sum / weights, 1.0) : 1.0;
+    land.steepness_growth = mean > 1.0 ? static_cast<float>(mean * 1.00001) : 1.0F;
+    land.steepness_growth_most = most > 1.0 ? static_cast<float>(most * 1.00001) : 1.0F;
+}
+
+bool block_reaches(const WaveBand& band, int32_t bx, int32_t bz, double along) {
+    const double x = static_cast<double>(bx * block_cells + (band.dx > 0.0 ? block_cells : 0));
+    const double z = static_cast<double>(bz * block_cells + (band.dz > 0.0 ? block_cells : 0));
+    return x * band.dx + z * band.dz >= along;
+}
+
+void for_each_band(size_t count, uint32_t threads, const std::function<void(size_t, TraceWorkspace&)>& work) {
+    std::atomic<size_t> next{0};
+    const auto run = [&] {
+        TraceWorkspace space;
+        for (size_t i = next++; i < count; i = next++) work(i, space);
+    };
+    const size_t wanted = threads != 0 ? threads : std::max(std::thread::hardware_concurrency(), 1U);
+    std::vector<std::jthread> others;
+    for (size_t i = 1; i < std::min(wanted, count); ++i) others.emplace_back(run);
+    run();
+}
+
+}  // namespace trochoid

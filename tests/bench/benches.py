@@ -1,0 +1,30 @@
+"""The table of benchmarks. To add one: a line here, and a program that keeps the contract of README.md."""
+import dataclasses
+
+
+@dataclasses.dataclass(frozen=True)
+class Bench:
+    title: str
+    program: str  # a CMake target that gives <build>/bin/NAME, or a script of this folder (NAME.py)
+    bar: str
+    arguments: tuple = ()
+    quick: tuple = ("--quick",)
+    also: tuple = ()  # other targets that must be built
+
+
+BENCHES = {
+    "P1": Bench("grid evaluation, displacement + normal, 256^2 points x 16 trains, one core", "grid.py",
+                ">= 40x double std::sin/cos with AVX-512, >= 24x AVX2; >= 75 % of the kernel's bound; within 10 % of native",
+                also=("trochoid-bench-grid",)),
+    "P2": Bench("paper A's scenarios 1 and 2: all grids, effects on and off, culled box by box", "trochoid-bench-scenarios",
+                "linear in points; culled box < 1 %, half in view <= 60 %; 1024^2 x 6 with normals <= 6 ms on 2 AVX2 cores"),
+    "P3": Bench("batched authoritative point queries, 60 trains, one core", "trochoid-bench-queries",
+                "<= 3 ns AVX-512, <= 5 ns AVX2 per train and query; <= 1.6x with fields; 1000 x 60 <= 0.18 ms"),
+    "P4": Bench("land traces of 1024 rays x 1024 steps x 8 bands, one core; a moved breakwater", "trochoid-bench-land",
+                "straight <= 50 ms, eikonal <= 3x that; a moved breakwater costs less than a whole trace"),
+    "B8": Bench("long waves on a coarser grid, interpolated: where it pays, and its error bound", "trochoid-bench-coarse",
+                "the bound holds at every point; the recommended ratio is faster"),
+    "spectra": Bench("computed seas against their spectra and published heights and periods: 5 winds x 5 fetches x 3 spectra",
+                     "trochoid-bench-spectra",
+                     "Hs within 2 % (sampled), Tz 4 %, Tp 3 %; the spectra within 1 % of what was published"),
+}
