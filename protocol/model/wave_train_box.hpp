@@ -60,8 +60,8 @@ struct WaveTrainBox {
     /// Speed of the leading edge while the wind builds, lattice units per microsecond in Q.24 (the dominant train's
     /// group speed; 1 m/s = 17180); 0 fills the whole box at once. Only for boxes with a limited length.
     uint32_t front_speed = 0;
-    /// Bound of the land gain, and of the land gain times the orbit factor, over all the box's fields, Q1.15 (32768 = 1): enters bounds of
-    /// height and displacement, and steepness.
+    /// Bound of the land gain over all the box's fields, Q1.15 (32768 = 1): enters bounds of height and displacement. Orbit factors are
+    /// not in it: over shallow water the two together may be above what Q1.15 holds.
     uint16_t gain_max = 1 << 15;
     /// Roundness of the crests (round_wave.hpp), Q1.15; needs a limited width.
     uint16_t roundness = 0;
@@ -126,7 +126,7 @@ LatticeRect bounds_over(const WaveTrainBox& box, SeaTime from, SeaTime until);
 /// wake's and the noise's bounds, metres (float64, rounded up).
 double height_bound(const WaveTrainBox& box);
 
-/// Upper bound of the horizontal displacement, metres.
+/// Upper bound of the horizontal displacement where no orbit factor is above 1, metres; else to be times the largest.
 double displacement_bound(const WaveTrainBox& box);
 
 /// Span of sea time [begin, end + decay) outside which the box is still water.

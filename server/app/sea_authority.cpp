@@ -21,6 +21,10 @@ namespace {
 // by one, so a second trace is always enough.
 constexpr int most_traces = 3;
 
+// How long a change of the land may have to wait for those before it, sea time. Winds cannot be stopped before the changes that they
+// are to outlive, so these must not pile up.
+constexpr int64_t longest_land_wait_us = 6 * land_fade_us;
+
 // 1 to 2^63 - 1, as scene files allow.
 uint64_t random_seed() {
     std::random_device device;
@@ -139,6 +143,7 @@ void SeaAuthority::execute(const ListBoxes&, const Waiting&) {
 
 Result<SeaTime> SeaAuthority::stamp(const Command& command) {
     const SeaTime present = now();
+    world_.set_present(present);
     return effective_time(command.at, present, watermark() - present, command.refuse_if_late);
 }
 
@@ -146,9 +151,13 @@ Result<SeaTime> SeaAuthority::stamp(const Command& command) {
 Result<SeaTime> SeaAuthority::stamp_land(const Command& command) {
     const Result<SeaTime> effective = stamp(command);
     if (!effective) return effective;
+    // Chart and bed are the new ones for whoever asks from then on, so the change may not lie far ahead.
+    if (*effective - now() > longest_land_wait_us)
+        return Error{ErrorCode::value_out_of_range,
+                     "the land can change at most 60 s of sea time ahead: send it later"};
     const SeaTime settled = world_.land_settled();
     if (*effective >= settled) return effective;
-    if (command.refuse_if_late)
+    if (command.refuse_if_late || settled - *effective > longest_land_wait_us)
         return Error{
             ErrorCode::too_late,
             fmt::format("the land changes until sea time {}: ask for a later time", text_of(settled))};
@@ -191,7 +200,7 @@ void SeaAuthority::execute(const StopWind& stop, const Waiting& waiting) {
     if (!effective) return finish_refused(waiting, effective.error());
     const Result<BoxEnding> planned = world_.plan(stop, *effective);
     if (!planned) return finish_refused(waiting, planned.error());
-    finish(waiting, commit(waiting.command, {{{0, *effective, *planned}, {}}}, stop.box));
+    finish(waiting, commit(waiting.command, {{{0, planned->end, *planned}, {}}}, stop.box));
 }
 
 // Wakes know no land: nothing to trace.

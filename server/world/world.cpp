@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "protocol/model/round_wave.hpp"
 #include "protocol/units/assert.hpp"
 #include "protocol/units/hash.hpp"
 #include "server/event/event_log.hpp"
@@ -41,6 +42,27 @@ WaveTrainBox successor_of(const WaveTrainBox& old, NewIds ids, SeaTime effective
     return box;
 }
 
+/// A light wind over a short fetch raises waves that are too short to be round.
+Result<Done> long_enough(const WaveTrainBox& box) {
+    const auto too_short = [](const WaveTrain& train) {
+        return whole_wave_number(train.kx, train.kz) >= largest_round_wave_number;
+    };
+    if (box.roundness == 0 || std::none_of(box.trains.begin(), box.trains.end(), too_short)) return Done{};
+    return Error{ErrorCode::value_out_of_range,
+                 "the wind raises waves shorter than 0.125 m, which cannot be round: give a stronger wind, a "
+                 "longer fetch, or roundness 0"};
+}
+
+/// Wakes know no land, and a ship may sail across it; but none sets out on it.
+Result<Done> afloat(const TerrainGrid* terrain, LatticePoint at) {
+    const int32_t ground = terrain == nullptr ? -1 : height_at(*terrain, at.x, at.z);
+    if (ground < 0) return Done{};
+    return Error{
+        ErrorCode::value_out_of_range,
+        fmt::format("the ship begins on land, at x {} z {} m, {:.1f} m above still water: begin on water",
+                    to_metres(at.x), to_metres(at.z), to_metres(ground))};
+}
+
 /// Who took the box's place when the land changed; none (0).
 BoxId successor_in(const WorldState& state, BoxId box) {
     for (const auto& [id, other] : state.boxes)
@@ -60,10 +82,16 @@ World::World(std::string name, std::shared_ptr<const TerrainGrid> terrain, SeaCl
 }
 
 Result<Done> World::has_room(SeaTime begin, size_t boxes) const {
+    // Numbers are never given twice: 2^32 trains are 45 hours of land that changes under 1024 full boxes without a pause.
+    if (state_->next_train > UINT32_MAX - 256U * static_cast<uint32_t>(boxes + 1))
+        return Error{ErrorCode::too_many_trains,
+                     "the world has used up its numbers for wave trains: start it anew"};
     const size_t free = most_boxes - std::min<size_t>(state_->boxes.size(), most_boxes);
+    // The new one takes its place when it is applied, not only when it begins.
+    const SeaTime by = std::min(begin, present_);
     size_t still = 0;
     for (const auto& [id, box] : state_->boxes)
-        if (box->sea->record.end + box->sea->record.decay_us <= begin) ++still;
+        if (box->sea->record.end + box->sea->record.decay_us <= by) ++still;
     if (boxes <= free + still) return Done{};
     return Error{
         ErrorCode::too_many_boxes,
@@ -72,12 +100,12 @@ Result<Done> World::has_room(SeaTime begin, size_t boxes) const {
             state_->boxes.size(), still)};
 }
 
-BoxStarted World::admit(WaveTrainBox box, std::string name, StartWind wind) const {
+Result<BoxStarted> World::admit(WaveTrainBox box, std::string name, StartWind wind) const {
     limit_steepness(box, state_->terrain ? expected_land_growth : 1.0, steep_boxes(*state_));
-    const auto ok = validate(box);
-    TROCHOID_ASSERT(ok.has_value(), "planned box {}: {}", box.id.value, ok.error().message);
+    // What a plan's own checks let through must not end a running world.
+    if (const auto ok = validate(box); !ok) return ok.error();
     if (name.empty()) name = fmt::format("{} {}", has_wake(box.wake) ? "ship" : "wind", box.id.value);
-    return {std::move(box), std::move(name), std::move(wind)};
+    return BoxStarted{std::move(box), std::move(name), std::move(wind)};
 }
 
 Result<BoxStarted> World::plan(const StartWind& asked, SeaTime begin, std::string name) const {
@@ -86,7 +114,9 @@ Result<BoxStarted> World::plan(const StartWind& asked, SeaTime begin, std::strin
     StartWind wind = asked;
     if (wind.seed == 0)
         wind.seed = splitmix64(splitmix64(static_cast<uint64_t>(begin.us)) + state_->next_box) | 1U;
-    return admit(box_of(wind, begin, new_ids()), std::move(name), wind);
+    WaveTrainBox box = box_of(wind, begin, new_ids());
+    if (auto ok = long_enough(box); !ok) return ok.error();
+    return admit(std::move(box), std::move(name), wind);
 }
 
 Result<BoxStarted> World::plan(const SceneWind& scene) const {
@@ -94,6 +124,7 @@ Result<BoxStarted> World::plan(const SceneWind& scene) const {
     if (auto ok = validate(scene.wind); !ok) return ok.error();
     if (auto ok = has_room(scene.begin); !ok) return ok.error();
     WaveTrainBox box = box_of(scene.wind, scene.begin, new_ids());
+    if (auto ok = long_enough(box); !ok) return ok.error();
     auto course = course_of(box, scene.legs, box.end + box.decay_us);
     if (!course) return course.error();
     box.course = std::move(course).value();
@@ -110,6 +141,13 @@ Result<BoxStarted> World::plan(const SceneBox& scene) const {
 }
 
 Result<BoxStarted> World::plan(const StartShip& ship, SeaTime begin) const {
+    auto started = plan_course(ship, begin);
+    if (!started) return started;
+    if (auto ok = afloat(state_->terrain.get(), ship.at); !ok) return ok.error();
+    return started;
+}
+
+Result<BoxStarted> World::plan_course(const StartShip& ship, SeaTime begin) const {
     if (auto ok = validate(ship); !ok) return ok.error();
     if (auto ok = has_room(begin); !ok) return ok.error();
     auto box = box_of(ship, begin, new_ids());
@@ -166,7 +204,7 @@ Result<Steering> World::steer_ship(const WorldBox& ship, const Steer& steer, Sea
     next.towards_degrees = steer.towards_degrees;
     next.speed = steer.speed;
     next.name = ship.name;
-    auto started = plan(next, effective);
+    auto started = plan_course(next, effective);
     if (!started) return started.error();
     steering.box = started->box.id;
     steering.events.emplace_back(std::move(started).value());
@@ -185,7 +223,8 @@ Result<ClockChanged> World::plan(const SetRate& rate, int64_t monotonic_us) cons
 SeaTime World::land_settled() const {
     SeaTime settled{-sea_time_bound};
     for (const auto& [id, box] : state_->boxes)
-        if (box->predecessor.value != 0)
+        // A wind that was still to come was replaced without a cross-fade.
+        if (box->predecessor.value != 0 && box->sea->record.fade_us != 0)
             settled = std::max(settled, box->sea->record.begin + box->sea->record.fade_us);
     return settled;
 }

@@ -55,6 +55,9 @@ public:
 
     std::shared_ptr<const WorldState> state() const { return state_; }
 
+    /// The sea time at which plans are made. What falls still only later makes no room for a new box, however late that begins.
+    void set_present(SeaTime present) { present_ = present; }
+
     /// The box of a wind that starts to blow at `begin` (rows A2, A4), its choppiness scaled for the boxes around.
     /// An empty name becomes "wind N"; seed 0 one drawn from the box's id and time. Errors: value_out_of_range,
     /// too_many_trains, too_many_boxes.
@@ -63,7 +66,7 @@ public:
     Result<BoxStarted> plan(const SceneWind& wind) const;
     /// The same for a hand-written box (row A1).
     Result<BoxStarted> plan(const SceneBox& box) const;
-    /// The box of a ship's first course (rows A12, B11). An empty name becomes "ship N".
+    /// The box of a ship's first course (rows A12, B11), which begins on water. An empty name becomes "ship N".
     Result<BoxStarted> plan(const StartShip& ship, SeaTime begin) const;
     /// A planned box after its land is known: lowers the choppiness where the land steepens waves by more than
     /// expected_land_growth. Between tracing and appending.
@@ -103,11 +106,13 @@ public:
 private:
     Result<Done> has_room(SeaTime begin, size_t boxes = 1) const;
     Result<std::shared_ptr<const WorldBox>> going_on(BoxId box, SeaTime effective) const;
+    Result<BoxStarted> plan_course(const StartShip& ship, SeaTime begin) const;
     Result<Steering> steer_ship(const WorldBox& ship, const Steer& steer, SeaTime effective) const;
-    BoxStarted admit(WaveTrainBox box, std::string name, StartWind wind) const;
+    Result<BoxStarted> admit(WaveTrainBox box, std::string name, StartWind wind) const;
     NewIds new_ids() const { return {{state_->next_box}, {state_->next_train}}; }
 
     std::shared_ptr<const WorldState> state_;
+    SeaTime present_ = end_of_time;
 };
 
 /// World::on_land_at of a state.

@@ -117,8 +117,9 @@ void take(WorldState& state, const BoxEnding& event, const Derived&) {
                     "box {} of [{}, {}) us ends at {} us", event.box.value, record.begin.us, record.end.us,
                     event.end.us);
     record.end = event.end;
-    // A wind that is stopped before it blows leaves nothing to decay: growth would outrun the decay at first.
-    if (record.end == record.begin) record.decay_us = 0;
+    // A wind that is stopped before it blows leaves nothing to decay: growth would outrun the decay at first. One that
+    // takes over from another decays as that one would have.
+    if (record.end == record.begin && record.fade_us == 0) record.decay_us = 0;
     place->second = with_record(*place->second, std::move(record));
     state.sea = sea_of(state.boxes);
 }

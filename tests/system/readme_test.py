@@ -45,12 +45,22 @@ def translated(words, bin_dir, address, token, folder):
         word = word.replace("/tmp/", folder + "/").replace("build/release/bin", bin_dir)
         fixed.append({"HOST:PORT": address, "FILE": token}.get(word, word))
     # The scripts would build and test all over again; their help shows that they start and know their options.
-    if fixed[0] in ("./demo.sh", "./test.sh"):
+    if fixed[0] in ("./demo.sh", "./test.sh", "tests/determinism/matrix"):
         known = subprocess.run([fixed[0], "--help"], capture_output=True, text=True, check=True).stdout
-        for option in fixed[1:]:
-            if option not in known:
+        own = fixed[1:fixed.index("--")] if "--" in fixed else fixed[1:]
+        for option in own:
+            if option.startswith("-") and option not in known:
                 sys.exit(f"the README says {' '.join(words)}, but {fixed[0]} --help knows no {option}")
+            if not option.startswith("-") and not os.path.exists(option):
+                sys.exit(f"the README says {' '.join(words)}, but there is no {option}")
+        # What follows -- is for the viewer.
         fixed = [fixed[0], "--help"]
+        if own != words[1:]:
+            viewer = subprocess.run([os.path.join(bin_dir, "trochoid-viewer"), "--help"], capture_output=True, text=True,
+                                    check=True).stdout
+            for option in words[words.index("--") + 1:]:
+                if option.split("=")[0] not in viewer:
+                    sys.exit(f"the README says {' '.join(words)}, but trochoid-viewer --help knows no {option}")
     return fixed
 
 

@@ -116,7 +116,11 @@ Split split(const SeaInstant& sea, const simd::Plan& plan, const LatticeRect& re
             continue;
         }
         out.coarse.push_back(prepare(std::move(long_waves), {}));
-        out.fine.push_back(prepare(std::move(short_waves), box.fields));
+        // With all that the fields lie over: prepare joins them anew.
+        std::vector<std::shared_ptr<const LandField>> fields;
+        for (const auto& top : box.fields)
+            for (auto field = top; field; field = field->base()) fields.push_back(field);
+        out.fine.push_back(prepare(std::move(short_waves), fields));
     }
     return out;
 }

@@ -276,7 +276,6 @@ TEST(ShipWake, IsContinuousEverywhere) {
     };
     double worst = 0.0;
     for (const int64_t from : {1'000LL, 200'000LL, (1LL << 20) - 600, (1LL << 24) - 600, (1LL << 27) - 600}) {
-        WakeSample before;
         for (int64_t v = -1200; v <= 1200; ++v) {
             const auto cusp_v = static_cast<int64_t>(static_cast<double>(from) * 0.3536);
             for (const int64_t centre : {int64_t{0}, cusp_v}) {

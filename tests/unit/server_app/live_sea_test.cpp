@@ -199,6 +199,15 @@ TEST_F(LiveSea, ABreakwaterShelters) {
     const CommandReply next = done(higher);
     EXPECT_GE(next.effective, reply.effective + land_fade_us);
     EXPECT_EQ(refused(higher).code, ErrorCode::value_out_of_range) << "nothing changes";
+    // Changes do not pile up: no wind could be stopped before the last of them.
+    CommandReply last;
+    uint32_t waiting = 0;
+    for (; waiting < 20 && last.code == ErrorCode::none; ++waiting) {
+        higher.crest += 1.0F;
+        last = command({100 + waiting, {}, false, higher}).get();
+    }
+    EXPECT_EQ(last.code, ErrorCode::too_late);
+    EXPECT_LE(waiting, 8U);
 }
 
 // What no land can change goes on under its own name: nothing is sent again for it.

@@ -77,6 +77,36 @@ TEST(CoarseGrid, OneWaveComesNearItsBound) {
     EXPECT_GT(found, 0.8 * bound.height);
 }
 
+TEST(CoarseGrid, FieldsKeepWhatTheyLieOver) {
+    const auto field = [](uint32_t id, BlockKey key, std::shared_ptr<const LandField> base) {
+        auto made = std::make_shared<LandField>(FieldId{id}, uint8_t{16});
+        auto block = std::make_shared<LandBlock>();
+        block->key = key;
+        made->set(std::move(block));
+        made->set_base(std::move(base));
+        return made;
+    };
+    // The lower field alone has a block here: no wave gets past it.
+    const std::vector<std::shared_ptr<const LandField>> fields{field(1, {0, 0}, nullptr),
+                                                               field(2, {5, 5}, nullptr)};
+    WaveTrainBox box;
+    box.id = {1};
+    box.first_train = {1};
+    box.overlays = {{{2}, {1}}};
+    box.trains.push_back({41943, 0, 1'000'000'000'000, 0, 1.0F, 1.0F, {}});           // 100 m
+    box.trains.push_back({419430, 0, 3'000'000'000'000, 0, 1.0F, 1.0F, FieldId{2}});  // 10 m
+    const SeaInstant sea(Sea({prepare(box, fields)}), {0});
+    const LatticeGrid grid{{0, 0}, 1024, 1024, 100, 8};
+    Planes exact(grid.size());
+    Planes coarse(grid.size());
+    Workers workers(1);
+    evaluate_grid(sea, grid, exact.pointers(), workers);
+    const CoarseBound bound =
+        evaluate_coarse_grid(sea, grid, coarse.pointers(), {.factor = 8, .ratio = 4.0}, workers);
+    EXPECT_EQ(bound.trains, 1);
+    EXPECT_LE(largest_difference(exact, coarse, 1), bound.height);
+}
+
 TEST(CoarseGrid, NothingLongIsTheExactGrid) {
     const SeaInstant sea = long_sea(3);
     const LatticeGrid grid{{-100'000, 40'000}, 1024, 1024, 70, 20};

@@ -47,6 +47,63 @@ void expect_sane(const World& world, SeaTime t, double half, double highest) {
         }
 }
 
+TEST(BadInput, WavesTooShortToBeRoundAreRefused) {
+    const World world("test", nullptr, {});
+    StartWind air = breeze();
+    air.speed = 1.0F;
+    air.fetch = to_lattice(32.0);
+    air.width = to_lattice(100.0);
+    air.trains = 64;
+    EXPECT_TRUE(world.plan(air, {0}));
+    air.roundness = 0.5F;
+    SceneWind scene{"air", air, {0}, {{{60 * second}, 90.0, 3.0}}};
+    for (const auto& refused : {world.plan(air, {0}), world.plan(scene)}) {
+        ASSERT_FALSE(refused);
+        EXPECT_EQ(refused.error().code, ErrorCode::value_out_of_range);
+        EXPECT_NE(refused.error().message.find("cannot be round"), std::string::npos);
+    }
+}
+
+TEST(BadInput, AFullWorldGivesUpNoBoxThatStillActs) {
+    World world("test", nullptr, {});
+    StartShip ship;
+    ship.speed = 10.0F;
+    for (uint64_t i = 1; i <= most_boxes; ++i) world.apply({i, {0}, *world.plan(ship, {0})}, Bytes{1});
+    const WaveTrainBox& first = world.state()->boxes.at({1})->sea->record;
+    const SeaTime over = first.end + first.decay_us;
+    world.set_present({60 * second});
+    const auto refused = world.plan(breeze(), over + second);
+    ASSERT_FALSE(refused) << "its place would be taken now";
+    EXPECT_EQ(refused.error().code, ErrorCode::too_many_boxes);
+    world.set_present(over);
+    EXPECT_TRUE(world.plan(breeze(), over + second));
+}
+
+TEST(BadInput, NoShipSetsOutOnLandButOneMaySailAcrossIt) {
+    TerrainGrid beach;  // 10 m deep in the west, dry dunes from x = 0 on
+    beach.columns = beach.rows = 65;
+    beach.origin_x = beach.origin_z = -32 * 32768;
+    for (int64_t i = 0; i < int64_t{65} * 65; ++i) beach.heights.push_back(i % 65 < 32 ? -320 : 96);
+    beach.open_sea_depth = -20 * 1024;
+    World world("test", std::make_shared<const TerrainGrid>(beach), {});
+    StartShip ship;
+    ship.towards_degrees = 90.0F;
+    ship.speed = 10.0F;
+    ship.at = {to_lattice(300.0), to_lattice(-50.0)};
+    const auto refused = world.plan(ship, {0});
+    ASSERT_FALSE(refused);
+    EXPECT_EQ(refused.error().code, ErrorCode::value_out_of_range);
+    EXPECT_NE(refused.error().message.find("on land, at x 300 z -50 m, 3.0 m above"), std::string::npos)
+        << refused.error().message;
+    ship.at.x = to_lattice(-300.0);
+    auto started = world.plan(ship, {0});
+    ASSERT_TRUE(started) << started.error().message;
+    world.apply({1, {0}, std::move(started).value()}, Bytes{1});
+    EXPECT_TRUE(world.plan(Steer{{1}, 0.0F, 5.0F}, {60 * second})) << "she is in the dunes by then";
+    ship.at.x = to_lattice(300.0);
+    EXPECT_TRUE(World("test", nullptr, {}).plan(ship, {0})) << "the open sea has no land";
+}
+
 TEST(BadInput, WindsThatCannotBeAreRefusedWithARange) {
     const World world("test", nullptr, {});
     const auto expect_refused = [&](auto change_one, ErrorCode code = ErrorCode::value_out_of_range) {

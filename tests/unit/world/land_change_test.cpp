@@ -247,6 +247,33 @@ TEST_F(LandChange, OnlyWavesThatLastAreTracedAgainAndOneChangeWaitsForTheOther) 
     EXPECT_EQ(world.land_settled(), SeaTime{20 * second} + land_fade_us);
 }
 
+TEST_F(LandChange, AWindThatIsStillToComeHoldsUpNoFurtherChange) {
+    start(breeze(), {500 * second}, land(1, unit_node_gain));
+    change({100 * second}, {{{1}, land(2, unit_node_gain / 2)}});
+    EXPECT_EQ(world.land_settled(), SeaTime{-sea_time_bound});
+    change({101 * second}, {{{2}, land(3, unit_node_gain / 4)}});
+    EXPECT_EQ(record(3).begin, SeaTime{500 * second});
+    EXPECT_EQ(record(3).raised_us, 0);
+    EXPECT_EQ(record(3).fade_us, 0);
+    for (const uint32_t gone : {1U, 2U})
+        EXPECT_EQ(instant_of(record(gone), {700 * second}).time_gain, 0U) << gone;
+}
+
+// Stopped at the very moment at which the land changes: then the two boxes decay as the one would have.
+TEST_F(LandChange, AStopAtTheChangeLeavesTheWindItsDecay) {
+    start(breeze(), {-5000 * second}, land(1, unit_node_gain));
+    const int64_t decay_us = record(1).decay_us;
+    const SeaTime now{100 * second};
+    change(now, {{{1}, land(2, unit_node_gain)}});
+    const auto stop = world.plan(StopWind{{2}}, now);
+    ASSERT_TRUE(stop) << stop.error().message;
+    EXPECT_EQ(stop->end, now);
+    world.apply(event(now, *stop), Bytes{3});
+    EXPECT_EQ(record(2).decay_us, decay_us);
+    const SeaTime half = now + decay_us / 2;
+    EXPECT_NEAR(instant_of(record(2), half).time_gain, full_gain / 2, 64);
+}
+
 TEST_F(LandChange, SteeperLandLowersChoppinessOnlyWhereThereIsNoRoom) {
     start(breeze(), {-5000 * second}, land(1, unit_node_gain));
     TracedLand steep = land(2, unit_node_gain);
