@@ -159,8 +159,9 @@ TEST(LiveBoxes, APatchNamesEveryBoxThatMayShowOnIt) {
             for (const auto& [id, box] : s.world.boxes) {
                 const WaveTrainBox& record = box->sea->record;
                 if (!acts(record, t, p)) continue;
-                const auto told = std::find_if(patch.boxes.begin(), patch.boxes.end(),
-                                               [id = id](const PatchBox& b) { return b.box == id; });
+                const auto told =
+                    std::find_if(patch.boxes.begin(), patch.boxes.end(),
+                                 [wanted = record.id](const PatchBox& b) { return b.box == wanted; });
                 const size_t count = told == patch.boxes.end() ? 0 : told->train_count;
                 for (size_t i = count; i < record.trains.size(); ++i)
                     ASSERT_EQ(displayed_weight(box->sea->constants[i].wavelength, spacing), 0.0F);
