@@ -149,7 +149,7 @@ Result<SeaTime> SeaAuthority::stamp(const Command& command) {
 
 // While the last change of the land is still cross-fading the next one waits.
 Result<SeaTime> SeaAuthority::stamp_land(const Command& command) {
-    const Result<SeaTime> effective = stamp(command);
+    Result<SeaTime> effective = stamp(command);
     if (!effective) return effective;
     // Chart and bed are the new ones for whoever asks from then on, so the change may not lie far ahead.
     if (*effective - now() > longest_land_wait_us)

@@ -6,7 +6,7 @@
 namespace trochoid {
 
 /// Four float32 in one register; every operation element by element, each rounded on its own, on any machine.
-typedef float FourFloats __attribute__((vector_size(16)));
+using FourFloats __attribute__((vector_size(16))) = float;
 
 /// Two values of one point.
 struct ValuePair {

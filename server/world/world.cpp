@@ -100,12 +100,12 @@ Result<Done> World::has_room(SeaTime begin, size_t boxes) const {
             state_->boxes.size(), still)};
 }
 
-Result<BoxStarted> World::admit(WaveTrainBox box, std::string name, StartWind wind) const {
+Result<BoxStarted> World::admit(WaveTrainBox box, std::string name, const StartWind& wind) const {
     limit_steepness(box, state_->terrain ? expected_land_growth : 1.0, steep_boxes(*state_));
     // What a plan's own checks let through must not end a running world.
     if (const auto ok = validate(box); !ok) return ok.error();
     if (name.empty()) name = fmt::format("{} {}", has_wake(box.wake) ? "ship" : "wind", box.id.value);
-    return BoxStarted{std::move(box), std::move(name), std::move(wind)};
+    return BoxStarted{std::move(box), std::move(name), wind};
 }
 
 Result<BoxStarted> World::plan(const StartWind& asked, SeaTime begin, std::string name) const {

@@ -108,7 +108,7 @@ private:
     Result<std::shared_ptr<const WorldBox>> going_on(BoxId box, SeaTime effective) const;
     Result<BoxStarted> plan_course(const StartShip& ship, SeaTime begin) const;
     Result<Steering> steer_ship(const WorldBox& ship, const Steer& steer, SeaTime effective) const;
-    Result<BoxStarted> admit(WaveTrainBox box, std::string name, StartWind wind) const;
+    Result<BoxStarted> admit(WaveTrainBox box, std::string name, const StartWind& wind) const;
     NewIds new_ids() const { return {{state_->next_box}, {state_->next_train}}; }
 
     std::shared_ptr<const WorldState> state_;

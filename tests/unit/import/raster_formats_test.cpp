@@ -292,7 +292,9 @@ PngSpec png_of_hills() {
     spec.columns = 60;
     spec.rows = 50;
     spec.count = [](uint32_t c, uint32_t r) {
-        return static_cast<uint16_t>(hills(2.205 + 0.01 * c, 43.245 - 0.01 * r) + 700.0);
+        // A picture much too large (a test below) climbs beyond 16 bits.
+        const double count = hills(2.205 + 0.01 * c, 43.245 - 0.01 * r) + 700.0;
+        return static_cast<uint16_t>(std::min(count, 65535.0));
     };
     return spec;
 }
