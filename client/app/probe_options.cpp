@@ -50,7 +50,7 @@ std::vector<double> numbers(const std::string& text, size_t count, const char* o
 }
 
 LatticePoint place(double x, double z, const char* option) {
-    constexpr auto farthest = static_cast<double>(world_bound / lattice_per_metre);
+    constexpr auto farthest = to_metres(world_bound);
     if (std::abs(x) > farthest || std::abs(z) > farthest)
         throw OperatorError(
             fmt::format("{} lies outside the world (at most {:.0f} m from its middle)", option, farthest));

@@ -331,7 +331,7 @@ CtlAction CtlSubcommands::action() const {
     if (breakwater_->parsed()) return legal(breakwater(), when);
     if (list_->parsed()) return CtlList{};
     if (time_->parsed() && time_->count("--rate") > 0)
-        return legal(SetRate{static_cast<uint32_t>(typed_.rate * 65536.0 + 0.5)}, {});
+        return legal(SetRate{static_cast<uint32_t>(std::lround(typed_.rate * 65536.0))}, {});
     if (time_->parsed()) return CtlTime{};
     throw OperatorError(
         "say what to do: start-wind, start-ship, steer, stop-wind, breakwater, list or time (see trochoid-ctl "
