@@ -1,14 +1,12 @@
 #include "protocol/model/ordered_sum.hpp"
 
 #include "protocol/model/arithmetic_rules.hpp"
+#include "protocol/model/gain.hpp"
 #include "protocol/model/sincos.hpp"
 
 namespace trochoid {
 
 namespace {
-
-/// 24 significant bits at most, so the conversion is exact on every device.
-float gain_to_float(uint32_t gain) { return static_cast<float>(gain >> 2) * 0x1p-22F; }
 
 Local combine(const Envelope& e, const LandSample& land, const HeightModulation& m) {
     const float gain =

@@ -6,6 +6,7 @@
 
 #include "protocol/model/arithmetic_rules.hpp"
 #include "protocol/model/box_course.hpp"
+#include "protocol/model/gain.hpp"
 
 namespace trochoid {
 
@@ -57,9 +58,6 @@ WakeTable make_table() {
     return table;
 }
 
-uint32_t times(uint32_t a, uint32_t b) { return static_cast<uint32_t>((static_cast<uint64_t>(a) * b) >> 24); }
-/// Gains below 2^26 by their upper 24 bits: exact on every device.
-float gain_to_float(uint32_t gain) { return static_cast<float>(gain >> 2) * 0x1p-22F; }
 float power_of_two(int exponent) { return std::bit_cast<float>(static_cast<uint32_t>(127 + exponent) << 23); }
 
 /// n0 + (n1 - n0) * fraction, fraction with `bits` bits.

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "protocol/model/arithmetic_rules.hpp"
+#include "protocol/model/gain.hpp"
 
 namespace trochoid {
 
@@ -21,8 +22,6 @@ RampSide ramp_side(int64_t distance, int32_t length, float sign) {
     if (distance > 0 && distance < length) side.slope = sign * (1024.0F / static_cast<float>(length));
     return side;
 }
-
-uint32_t times(uint32_t a, uint32_t b) { return static_cast<uint32_t>((static_cast<uint64_t>(a) * b) >> 24); }
 
 float unit(uint32_t gain) { return static_cast<float>(gain) * 0x1p-24F; }
 

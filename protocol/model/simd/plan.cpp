@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "protocol/model/arithmetic_rules.hpp"
+#include "protocol/model/gain.hpp"
 
 namespace trochoid::simd {
 
@@ -12,8 +13,6 @@ namespace {
 constexpr int64_t most_looks = 16;
 
 uint32_t low(int64_t v) { return static_cast<uint32_t>(static_cast<uint64_t>(v)); }
-
-float gain_to_float(uint32_t gain) { return static_cast<float>(gain >> 2) * 0x1p-22F; }
 
 float radians_per_metre(int32_t k) { return 0x1.921fb6p+2F * (static_cast<float>(k) * 0x1p-22F); }
 
