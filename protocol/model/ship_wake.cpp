@@ -15,7 +15,10 @@ namespace {
 constexpr float two_pi = 0x1.921fb6p+2F;
 constexpr uint32_t unit_gain = 1U << 24;
 
-int32_t q24(double v) { return static_cast<int32_t>(v * 0x1p24 + 0.5); }
+int32_t q24(double v) {
+    const double half_up = v * 0x1p24 + 0.5;
+    return static_cast<int32_t>(half_up);
+}
 
 double smooth(double q) {
     const double held = q < 0.0 ? 0.0 : (q > 1.0 ? 1.0 : q);
