@@ -63,8 +63,9 @@ std::vector<ProbeSample> read_water(const std::shared_ptr<const StoreSnapshot>& 
     const WaterSampler sampler(known, time);
     std::vector<ProbeSample> samples;
     samples.reserve(points.size());
-    for (const LatticePoint& point : points)
-        samples.push_back({time, point, sampler.surface(point), sampler.water(point)});
+    const std::vector<SurfaceSample> surface = sampler.surface(points);
+    const std::vector<WaterAnswer> water = sampler.water(points);
+    for (size_t i = 0; i < points.size(); ++i) samples.push_back({time, points[i], surface[i], water[i]});
     return samples;
 }
 

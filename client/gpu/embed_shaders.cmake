@@ -12,7 +12,7 @@ function(expand_includes file out)
     set(${out} "${text}" PARENT_SCOPE)
 endfunction()
 
-file(GLOB stages RELATIVE ${SHADERS} ${SHADERS}/*.vert ${SHADERS}/*.tesc ${SHADERS}/*.tese ${SHADERS}/*.frag)
+file(GLOB stages RELATIVE ${SHADERS} ${SHADERS}/*.vert ${SHADERS}/*.tesc ${SHADERS}/*.tese ${SHADERS}/*.geom ${SHADERS}/*.frag)
 set(result "#include \"client/gpu/shader_sources.hpp\"\n\nnamespace trochoid {\n\n")
 string(APPEND result "const std::map<std::string_view, std::string_view>& shader_sources() {\n")
 string(APPEND result "    static const std::map<std::string_view, std::string_view> sources{\n")

@@ -62,10 +62,10 @@ FrameUniforms make_uniforms(const FrameInputs& in) {
     };
     u.camera_cell = {frame.cell, low(frame.anchor.x), low(frame.anchor.z)};
     u.camera_eye = {frame.fraction, frame.altitude, static_cast<float>(0.5 / earth_radius)};
-    u.mesh_cell = {eye.cell, in.layers.bits, 0};
+    u.mesh_cell = {eye.cell, in.options.layers.bits, 0};
     u.mesh_eye = {eye.fraction, eye.altitude, 0.0F};
-    u.mesh_filter = {eye.filter.finest_spacing, eye.filter.angle_per_vertex, in.authoritative ? 1.0F : 0.0F,
-                     0.0F};
+    u.mesh_filter = {eye.filter.finest_spacing, eye.filter.angle_per_vertex,
+                     in.options.authoritative ? 1.0F : 0.0F, 0.0F};
     u.sun = glm::vec4(sun_direction(), 0.0F);
     u.bed_transform = bed_map_transform(in.bed, frame);
     u.ripple_axes = {ripple_axis(in.ripple_axis), ripple_axis(in.ripple_axis + 1)};
@@ -77,6 +77,11 @@ FrameUniforms make_uniforms(const FrameInputs& in) {
                  static_cast<float>(std::fmod(seconds, 4096.0)),
                  static_cast<float>(std::fmod(seconds, 200'000.0) * 0.004)};
     u.foam = {0.6F, 1.1F, in.bed.open_sea_m, in.bed.belt_m};
+    u.choice = {static_cast<int>(in.options.displacement), static_cast<int>(in.options.far_method),
+                static_cast<int>(in.options.refinement), 0};
+    const float length = glm::length(in.heading);
+    u.wind = {length > 1e-6F ? in.heading / length : glm::vec2(1, 0), 0.0F,
+              static_cast<float>(in.options.hour)};
     return u;
 }
 

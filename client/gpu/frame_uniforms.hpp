@@ -4,6 +4,7 @@
 
 #include "client/scene/bed_map.hpp"
 #include "client/scene/camera.hpp"
+#include "client/scene/draw_options.hpp"
 #include "client/scene/edge_level.hpp"
 #include "protocol/model/sea.hpp"
 #include "protocol/units/sea_time.hpp"
@@ -25,6 +26,8 @@ struct FrameUniforms {
     glm::vec4 scroll{0};
     glm::vec4 picture{0};
     glm::vec4 foam{0};
+    glm::ivec4 choice{0};
+    glm::vec4 wind{1, 0, 0, 12};
 };
 
 /// What a frame's uniforms follow from.
@@ -34,9 +37,9 @@ struct FrameInputs {
     const MeshEye& eye;
     const BedMap& bed;
     SeaTime now;
-    int ripple_axis = 0;  ///< see ripple_axis_near
-    bool authoritative = false;
-    Layers layers = displayed_layers;
+    int ripple_axis = 0;   ///< see ripple_axis_near
+    DrawOptions options;   ///< layers, methods and the like
+    glm::vec2 heading{0};  ///< where the slopes near the camera travel (SeaTable::heading_at)
 };
 FrameUniforms make_uniforms(const FrameInputs& inputs);
 

@@ -47,10 +47,7 @@ Renderer::Renderer()
       texel_limit_(texel_buffer_limit()),
       sky_({"sky.vert", "sky.frag"}, sky_options(depth_range_)) {
     if (depth_range_ == DepthRange::reversed_zero_to_one) glClipControl(GL_LOWER_LEFT, GL_ZERO_TO_ONE);
-    glGenQueries(static_cast<GLsizei>(queries_.size()), queries_.data());
 }
-
-Renderer::~Renderer() { glDeleteQueries(static_cast<GLsizei>(queries_.size()), queries_.data()); }
 
 void Renderer::take_over(const SceneInput& input) {
     if (input.state && input.state != state_) {
@@ -58,6 +55,8 @@ void Renderer::take_over(const SceneInput& input) {
         if (land_table_.rebuild(*state_, texel_limit_, texel_limit_)) buffers_.set_land(land_table_);
         sea_table_.rebuild(*state_, land_table_);
         buffers_.set_lists(sea_table_.lists());
+        directory_.rebuild(*state_, sea_table_);
+        buffers_.set_directory(directory_);
     }
     if (input.tiles != tiles_ || input.terrain != extent_) {
         tiles_ = input.tiles;
@@ -67,54 +66,68 @@ void Renderer::take_over(const SceneInput& input) {
     }
 }
 
-void Renderer::begin_gpu_time() {
-    const GLuint query = queries_[frames_ % queries_.size()];
-    if (frames_ >= queries_.size()) {
-        GLuint64 nanoseconds = 0;
-        glGetQueryObjectui64v(query, GL_QUERY_RESULT, &nanoseconds);
-        gpu_ms_ = static_cast<double>(nanoseconds) * 1e-6;
-    }
-    glBeginQuery(GL_TIME_ELAPSED, query);
-}
-
-void Renderer::end_gpu_time() {
-    glEndQuery(GL_TIME_ELAPSED);
-    ++frames_;
-}
-
 /// What a picture is made of, chosen before anything is drawn.
 struct Renderer::Chosen {
     CameraFrame frame;
+    CameraFrame culling;
+    FrustumPlanes planes;
     MeshEye eye;
-    SeaMesh mesh;
     TerrainSelection land;
     DebugLines lines;
 };
 
+const InterestState& Renderer::known_state() const {
+    static const InterestState nothing_known;
+    return state_ ? *state_ : nothing_known;
+}
+
 Renderer::Chosen Renderer::choose(const SceneInput& input, const Camera& camera, const Camera& culling_camera,
                                   const DrawOptions& options) const {
-    static const InterestState nothing_known;
-    const InterestState& state = state_ ? *state_ : nothing_known;
     Chosen chosen;
     chosen.frame = frame_of(camera, depth_range_);
-    const CameraFrame culling = frame_of(culling_camera, depth_range_, chosen.frame.anchor);
-    const FrustumPlanes planes = planes_of(culling, depth_range_);
-    chosen.eye = mesh_eye(culling, filter_of(camera, options, input.statistics.error_in_force_px));
-    chosen.mesh =
-        build_sea_mesh(state, sea_table_, culling, planes, {chosen.eye, options.triangles_per_draw});
-    chosen.land = select_terrain(tiles_, culling, planes, radians_per_pixel(camera), options.land_error_px);
-    chosen.lines = make_debug_lines(input, state, chosen.frame, chosen.mesh, options);
+    chosen.culling = frame_of(culling_camera, depth_range_, chosen.frame.anchor);
+    chosen.planes = planes_of(chosen.culling, depth_range_);
+    chosen.eye = mesh_eye(chosen.culling, filter_of(camera, options, input.statistics.error_in_force_px));
+    chosen.land = select_terrain(tiles_, chosen.culling, chosen.planes, radians_per_pixel(camera),
+                                 options.land_error_px);
+    SeaMesh patches;
+    if (options.patches)
+        patches = build_sea_mesh(known_state(), sea_table_, chosen.culling, chosen.planes,
+                                 {chosen.eye, options.triangles_per_draw});
+    chosen.lines = make_debug_lines(input, known_state(), chosen.frame, patches, options);
     return chosen;
 }
 
 void Renderer::upload(const Chosen& chosen, const Camera& camera, SeaTime now, const DrawOptions& options) {
     buffers_.set_records(sea_table_.records(land_table_, chosen.frame.anchor, now, options.layers));
-    ripple_axis_ = ripple_axis_near(sea_table_.heading_at(camera.position, now), ripple_axis_);
-    const FrameUniforms uniforms = make_uniforms(
-        {camera, chosen.frame, chosen.eye, bed_, now, ripple_axis_, options.authoritative, options.layers});
+    const glm::vec2 heading = sea_table_.heading_at(camera.position, now);
+    ripple_axis_ = ripple_axis_near(heading, ripple_axis_);
+    const FrameUniforms uniforms =
+        make_uniforms({camera, chosen.frame, chosen.eye, bed_, now, ripple_axis_, options, heading});
     uniforms_.fill(GL_UNIFORM_BUFFER, std::span<const FrameUniforms>(&uniforms, 1), GL_STREAM_DRAW);
     glBindBufferBase(GL_UNIFORM_BUFFER, frame_binding, uniforms_.name());
     buffers_.bind();
+}
+
+Mesher& Renderer::mesher_of(MesherKind kind) {
+    std::unique_ptr<Mesher>& mesher = meshers_[static_cast<size_t>(kind)];
+    if (!mesher) mesher = make_mesher(kind, MesherUse::picture);
+    return *mesher;
+}
+
+void Renderer::draw_near_sea(Mesher& mesher, bool wireframe) {
+    // Behind land too: the far sea must not show through where a patch is merely hidden.
+    glEnable(GL_STENCIL_TEST);
+    glStencilFunc(GL_ALWAYS, 1, 0xff);
+    glStencilOp(GL_KEEP, GL_REPLACE, GL_REPLACE);
+    glEnable(GL_BLEND);
+    glBlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);
+    if (wireframe) glPolygonMode(GL_FRONT_AND_BACK, GL_LINE);
+    mesher.bind();
+    mesher.draw();
+    glPolygonMode(GL_FRONT_AND_BACK, GL_FILL);
+    glDisable(GL_BLEND);
+    glDisable(GL_STENCIL_TEST);
 }
 
 void Renderer::draw_passes(const Chosen& chosen, const Camera& camera, const DrawOptions& options) {
@@ -126,31 +139,37 @@ void Renderer::draw_passes(const Chosen& chosen, const Camera& camera, const Dra
     glEnable(GL_DEPTH_TEST);
     glDepthFunc(reversed ? GL_GREATER : GL_LESS);
     // Land first: the sea's edge is blended over it.
+    timers_.begin_pass("land");
     if (options.land) land_.draw(chosen.land, chosen.frame, options.wireframe);
-    sea_.draw(chosen.mesh, options.wireframe);
+    timers_.begin_pass("sea");
+    draw_near_sea(mesher_of(options.mesher), options.wireframe);
+    timers_.begin_pass("far sea");
     if (options.far_sea) far_sea_.draw(horizon_m(camera.altitude_m));
+    timers_.begin_pass("sky");
     if (options.sky) {
         glDepthFunc(reversed ? GL_GEQUAL : GL_LEQUAL);
         sky_.use();
         nothing_.bind();
         glDrawArrays(GL_TRIANGLES, 0, 3);
     }
+    timers_.begin_pass("lines");
     lines_.draw(chosen.lines);
 }
 
-FrameReport Renderer::report_of(const Chosen& chosen) const {
+FrameReport Renderer::report_of(const Chosen& chosen, const MeshCounts& mesh) const {
     FrameReport report;
-    report.patches_drawn = static_cast<uint32_t>(chosen.mesh.drawn.size());
-    report.patches_known = chosen.mesh.patches_known;
-    report.draws = static_cast<uint32_t>(chosen.mesh.batches.size());
-    report.sea_triangles = chosen.mesh.triangles;
+    report.patches_drawn = mesh.patches_drawn;
+    report.patches_known = static_cast<uint32_t>(known_state().patches.size());
+    report.draws = mesh.draws;
+    report.sea_triangles = mesh.triangles;
     report.land_triangles = chosen.land.triangles;
     report.boxes = static_cast<uint32_t>(sea_table_.box_count());
     report.trains = static_cast<uint32_t>(sea_table_.train_count());
     report.land_blocks = static_cast<uint32_t>(land_table_.block_count());
     report.land_blocks_left_out = static_cast<uint32_t>(land_table_.left_out());
     report.vertex_angle = chosen.eye.filter.angle_per_vertex;
-    report.gpu_ms = gpu_ms_;
+    report.gpu_ms = timers_.total_ms();
+    report.passes = timers_.passes();
     return report;
 }
 
@@ -159,13 +178,17 @@ FrameReport Renderer::draw(const RenderTarget& target, const SceneInput& input, 
     const auto start = std::chrono::steady_clock::now();
     take_over(input);
     const Chosen chosen = choose(input, camera, culling_camera, options);
-    begin_gpu_time();
+    timers_.begin_frame();
+    timers_.begin_pass("mesh");
     upload(chosen, camera, input.now, options);
+    const MeshCounts mesh =
+        mesher_of(options.mesher)
+            .prepare({known_state(), sea_table_, chosen.culling, chosen.planes, chosen.eye, options});
     target.bind();
     draw_passes(chosen, camera, options);
-    end_gpu_time();
+    timers_.end_frame();
     target.resolve();
-    FrameReport report = report_of(chosen);
+    FrameReport report = report_of(chosen, mesh);
     report.cpu_ms = milliseconds_since(start);
     return report;
 }

@@ -2,11 +2,14 @@
 #include <array>
 #include <memory>
 
+#include "client/gpu/far_sea_pass.hpp"
 #include "client/gpu/frame_uniforms.hpp"
 #include "client/gpu/land_pass.hpp"
 #include "client/gpu/line_pass.hpp"
+#include "client/gpu/mesher.hpp"
+#include "client/gpu/pass_timers.hpp"
 #include "client/gpu/render_target.hpp"
-#include "client/gpu/sea_pass.hpp"
+#include "client/gpu/sea_buffers.hpp"
 #include "client/scene/draw_options.hpp"
 #include "client/scene/frame_report.hpp"
 #include "client/scene/scene_input.hpp"
@@ -19,7 +22,7 @@ public:
     Renderer();
     Renderer(const Renderer&) = delete;
     Renderer& operator=(const Renderer&) = delete;
-    ~Renderer();
+    ~Renderer() = default;
 
     /// Draws what the input shows from a camera. `culling_camera` is the one that the mesh is made for: usually the same,
     /// frozen where a debug view wants to see from outside what is drawn.
@@ -31,18 +34,20 @@ public:
 private:
     struct Chosen;
     void take_over(const SceneInput& input);
+    const InterestState& known_state() const;
     Chosen choose(const SceneInput& input, const Camera& camera, const Camera& culling_camera,
                   const DrawOptions& options) const;
     void upload(const Chosen& chosen, const Camera& camera, SeaTime now, const DrawOptions& options);
     void draw_passes(const Chosen& chosen, const Camera& camera, const DrawOptions& options);
-    FrameReport report_of(const Chosen& chosen) const;
-    void begin_gpu_time();
-    void end_gpu_time();
+    void draw_near_sea(Mesher& mesher, bool wireframe);
+    /// The one asked for, made when it is first wanted.
+    Mesher& mesher_of(MesherKind kind);
+    FrameReport report_of(const Chosen& chosen, const MeshCounts& mesh) const;
 
     DepthRange depth_range_;
     size_t texel_limit_;
     SeaBuffers buffers_;
-    SeaPass sea_;
+    std::array<std::unique_ptr<Mesher>, 4> meshers_;
     FarSeaPass far_sea_;
     LandPass land_;
     LinePass lines_;
@@ -59,10 +64,8 @@ private:
     BedMap bed_;
     int ripple_axis_ = 0;
 
-    // Time queries come back some frames later.
-    std::array<GLuint, 4> queries_{};
-    uint64_t frames_ = 0;
-    double gpu_ms_ = 0;
+    PatchDirectory directory_;
+    PassTimers timers_;
 };
 
 }  // namespace trochoid

@@ -14,6 +14,7 @@ GLenum stage_of(std::string_view file) {
     if (file.ends_with(".vert")) return GL_VERTEX_SHADER;
     if (file.ends_with(".tesc")) return GL_TESS_CONTROL_SHADER;
     if (file.ends_with(".tese")) return GL_TESS_EVALUATION_SHADER;
+    if (file.ends_with(".geom")) return GL_GEOMETRY_SHADER;
     TROCHOID_ASSERT(file.ends_with(".frag"), "no stage for {}", file);
     return GL_FRAGMENT_SHADER;
 }
@@ -56,13 +57,19 @@ void set_units(GLuint program) {
     set("wake_nodes", wakes_unit);
     set("ripple_map", ripples_unit);
     set("bed_map", bed_unit);
+    set("patch_directory", directory_unit);
+    set("sky_cube", sky_unit);
+    set("foam_map", foam_unit);
+    set("fft_displacement", fft_unit);
+    set("fft_slope", fft_slope_unit);
+    set("noise_lattice", noise_unit);
     const GLuint block = glGetUniformBlockIndex(program, "Frame");
     if (block != GL_INVALID_INDEX) glUniformBlockBinding(program, block, frame_binding);
 }
 
 }  // namespace
 
-ShaderProgram::ShaderProgram(std::initializer_list<std::string_view> stages, const Options& options)
+ShaderProgram::ShaderProgram(std::span<const std::string_view> stages, const Options& options)
     : name_(glCreateProgram()) {
     std::string prelude = "#version 410 core\n";
     prelude +=
@@ -79,7 +86,7 @@ ShaderProgram::ShaderProgram(std::initializer_list<std::string_view> stages, con
     glLinkProgram(name_);
     GLint linked = GL_FALSE;
     glGetProgramiv(name_, GL_LINK_STATUS, &linked);
-    TROCHOID_ASSERT(linked == GL_TRUE, "{}: {}", *stages.begin(), log_of(name_, true));
+    TROCHOID_ASSERT(linked == GL_TRUE, "{}: {}", stages.front(), log_of(name_, true));
     set_units(name_);
 }
 

@@ -9,17 +9,21 @@
 
 namespace trochoid {
 
-/// A linked program. Stages follow from the names' endings (.vert, .tesc, .tese, .frag); one that does not compile is
+struct ShaderProgramOptions {
+    std::vector<std::string> defines;           ///< "NAME VALUE"
+    std::vector<const char*> captured_outputs;  ///< for transform feedback, interleaved
+};
+
+/// A linked program. Stages follow from the names' endings (.vert, .tesc, .tese, .geom, .frag); one that does not compile is
 /// our bug and asserts with the driver's words.
 class ShaderProgram {
 public:
-    struct Options {
-        std::vector<std::string> defines;           ///< "NAME VALUE"
-        std::vector<const char*> captured_outputs;  ///< for transform feedback, interleaved
-    };
+    using Options = ShaderProgramOptions;
     explicit ShaderProgram(std::initializer_list<std::string_view> stages)
         : ShaderProgram(stages, Options{}) {}
-    ShaderProgram(std::initializer_list<std::string_view> stages, const Options& options);
+    ShaderProgram(std::initializer_list<std::string_view> stages, const Options& options)
+        : ShaderProgram(std::span(stages.begin(), stages.size()), options) {}
+    ShaderProgram(std::span<const std::string_view> stages, const Options& options);
     ShaderProgram(const ShaderProgram&) = delete;
     ShaderProgram& operator=(const ShaderProgram&) = delete;
     ~ShaderProgram() { glDeleteProgram(name_); }
@@ -40,7 +44,14 @@ enum TextureUnit : GLint {
     nodes_unit,
     wakes_unit,
     ripples_unit,
-    bed_unit
+    bed_unit,
+    directory_unit,  ///< patch_directory
+    sky_unit,        ///< sky_cube
+    foam_unit,       ///< foam_map
+    fft_unit,        ///< fft_displacement
+    fft_slope_unit,  ///< fft_slope
+    noise_unit,      ///< noise_lattice
+    first_own_unit   ///< from here on for a pass's own textures
 };
 /// Binding point of the Frame block.
 inline constexpr GLuint frame_binding = 0;

@@ -1,8 +1,49 @@
 #include "client/scene/draw_options.hpp"
 
 #include <algorithm>
+#include <array>
+#include <utility>
 
 namespace trochoid {
+
+namespace {
+
+template <class T, size_t N>
+using Names = std::array<std::pair<T, std::string_view>, N>;
+
+constexpr Names<MesherKind, 4> meshers{{{MesherKind::patches, "patches"},
+                                        {MesherKind::uniform, "uniform"},
+                                        {MesherKind::projected, "projected"},
+                                        {MesherKind::coherent, "coherent"}}};
+constexpr Names<Displacement, 3> displacements{
+    {{Displacement::trains, "trains"}, {Displacement::noise, "noise"}, {Displacement::fft, "fft"}}};
+constexpr Names<FarMethod, 3> far_methods{
+    {{FarMethod::combined, "combined"}, {FarMethod::spectrum, "spectrum"}, {FarMethod::texture, "texture"}}};
+constexpr Names<Refinement, 3> refinements{
+    {{Refinement::distance, "distance"}, {Refinement::screen, "screen"}, {Refinement::frustum, "frustum"}}};
+
+template <class T, size_t N>
+std::optional<T> find(const Names<T, N>& names, std::string_view name) {
+    for (const auto& [value, text] : names)
+        if (text == name) return value;
+    return std::nullopt;
+}
+
+template <class T, size_t N>
+std::string_view find(const Names<T, N>& names, T value) {
+    return names[static_cast<size_t>(value)].second;
+}
+
+}  // namespace
+
+std::optional<MesherKind> mesher_named(std::string_view name) { return find(meshers, name); }
+std::optional<Displacement> displacement_named(std::string_view name) { return find(displacements, name); }
+std::optional<FarMethod> far_method_named(std::string_view name) { return find(far_methods, name); }
+std::optional<Refinement> refinement_named(std::string_view name) { return find(refinements, name); }
+std::string_view name_of(MesherKind kind) { return find(meshers, kind); }
+std::string_view name_of(Displacement displacement) { return find(displacements, displacement); }
+std::string_view name_of(FarMethod method) { return find(far_methods, method); }
+std::string_view name_of(Refinement refinement) { return find(refinements, refinement); }
 
 std::optional<Quality> quality_named(std::string_view name) {
     if (name == "low") return Quality::low;

@@ -13,6 +13,41 @@ namespace trochoid {
 enum class Quality : uint8_t { low, medium, high };
 std::optional<Quality> quality_named(std::string_view name);
 
+/// How the sea is meshed (rows A1 and A14, B3, D1 to D3, D7); all draw the same surface.
+enum class MesherKind : uint8_t {
+    patches,    ///< the server's patches through hardware tessellation
+    uniform,    ///< a square grid of equal cells under the camera (paper A)
+    projected,  ///< a grid on the screen, cast on the sea, up to the horizon (paper B)
+    coherent  ///< triangles that stay on the GPU and are refined and coarsened from their last state (paper D)
+};
+/// What displaces the mesh.
+enum class Displacement : uint8_t {
+    trains,  ///< the sea itself
+    noise,   ///< gradient noise, for comparison (row D5)
+    fft      ///< a tile made by Fourier transform, for comparison
+};
+/// What shows waves where (rows C3 to C5).
+enum class FarMethod : uint8_t {
+    combined,  ///< waves near, a scrolling normal map far
+    spectrum,  ///< waves only
+    texture    ///< the scrolling normal map only, on a flat sea
+};
+/// What makes a mesher refine (row D4), beyond the wanted spacing of vertices.
+enum class Refinement : uint8_t {
+    distance,  ///< the distance alone
+    screen,    ///< the size on the screen, foreshortening included
+    frustum    ///< the distance, and coarse outside of the view
+};
+
+std::optional<MesherKind> mesher_named(std::string_view name);
+std::optional<Displacement> displacement_named(std::string_view name);
+std::optional<FarMethod> far_method_named(std::string_view name);
+std::optional<Refinement> refinement_named(std::string_view name);
+std::string_view name_of(MesherKind kind);
+std::string_view name_of(Displacement displacement);
+std::string_view name_of(FarMethod method);
+std::string_view name_of(Refinement refinement);
+
 /// What to draw and how finely.
 struct DrawOptions {
     /// Height error that the mesh may show, pixels; vertices are twice that apart (displayed.hpp).
@@ -30,6 +65,18 @@ struct DrawOptions {
     bool land = true;
     bool far_sea = true;
     bool sky = true;
+    bool ships = true;
+    bool spray = true;
+    bool foam_history = true;  ///< foam stays behind a breaking crest and fades
+    MesherKind mesher = MesherKind::patches;
+    Displacement displacement = Displacement::trains;
+    FarMethod far_method = FarMethod::combined;
+    Refinement refinement = Refinement::distance;
+    uint32_t grid_cells = 256;    ///< uniform: cells along a side, 2 to 1024
+    float grid_spacing_m = 2.0F;  ///< uniform: a cell's side, rounded to a power of two of 2^-10 m
+    float attention =
+        1.0F;            ///< projected: rows go to the foreground (> 1) or the background (< 1), 0.25 to 4
+    double hour = 16.5;  ///< local solar time of the light, 0 to 24
     std::array<float, 3> clear_colour{0.0F, 0.0F, 0.0F};
     bool operator==(const DrawOptions&) const = default;
 };

@@ -1,7 +1,15 @@
 #pragma once
 #include <cstdint>
+#include <vector>
 
 namespace trochoid {
+
+/// What a pass of a picture took on the GPU.
+struct PassTime {
+    const char* name = "";
+    double ms = 0;
+    bool operator==(const PassTime&) const = default;
+};
 
 /// What one picture took; counts of what was drawn and of what was known.
 struct FrameReport {
@@ -17,6 +25,7 @@ struct FrameReport {
     float vertex_angle = 0;             ///< vertex spacing over distance
     double cpu_ms = 0;                  ///< of this picture, until the commands were given
     double gpu_ms = 0;                  ///< of an earlier picture, as the driver's timer says
+    std::vector<PassTime> passes;       ///< of the same picture as gpu_ms, in their order
     bool operator==(const FrameReport&) const = default;
 };
 

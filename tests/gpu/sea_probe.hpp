@@ -2,7 +2,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "client/gpu/sea_pass.hpp"
+#include "client/gpu/mesher.hpp"
 #include "client/scene/scene_input.hpp"
 
 namespace trochoid {
@@ -21,8 +21,9 @@ struct Probe {
     std::vector<ProbedVertex> vertices;  ///< three a triangle
 };
 
-/// Runs the shipped tessellation shaders over a state without drawing and reads their outputs back (transform feedback).
-/// Nothing fades. Covers everything around the camera, whether in view or not.
+/// Runs a mesher's shipped shaders over a state without drawing and reads their outputs back (transform feedback).
+/// Covers everything around the camera, whether in view or not. By default nothing fades (`options.authoritative`).
+Probe probe_sea(const InterestState& state, SeaTime now, const Camera& camera, const DrawOptions& options);
 Probe probe_sea(const InterestState& state, SeaTime now, const Camera& camera,
                 Layers layers = displayed_layers);
 

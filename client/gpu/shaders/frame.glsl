@@ -14,6 +14,8 @@ layout(std140) uniform Frame {
     vec4 picture;            // angle of a pixel, rad; haze, 1/m; sea time modulo 4096 s; metres that clouds have drifted
     vec4 foam;               // Jacobian below which foam starts; depth in m up to which surf breaks; open sea's bed, m; belt in
                              // which the bed falls to it outside the raster, m
+    ivec4 choice;            // Displacement, FarMethod, Refinement of draw_options.hpp; 0
+    vec4 wind;               // direction of travel (x, z); speed at 10 m, m/s; hour of the day
 };
 
 const float lattice_unit = 0.0009765625;  // 2^-10 m

@@ -2,8 +2,8 @@
 #include "client/gpu/gl_objects.hpp"
 #include "client/gpu/shader_program.hpp"
 #include "client/scene/bed_map.hpp"
+#include "client/scene/patch_directory.hpp"
 #include "client/scene/ripple_map.hpp"
-#include "client/scene/sea_mesh.hpp"
 #include "client/scene/sea_table.hpp"
 
 namespace trochoid {
@@ -16,6 +16,7 @@ public:
     void set_records(const std::vector<RecordTexel>& records);
     /// When the state changes.
     void set_lists(const std::vector<ListTexel>& lists);
+    void set_directory(const PatchDirectory& directory);
     void set_land(const LandTable& land);
     void set_bed(const BedMap& bed);
     void bind() const;
@@ -23,39 +24,12 @@ public:
 private:
     GlTexelBuffer records_{GL_RGBA32I};
     GlTexelBuffer lists_{GL_RG32I};
+    GlTexelBuffer directory_{GL_RGBA32I};
     GlTexelBuffer slots_{GL_R32I};
     GlTexelBuffer nodes_{GL_RG32I};
     GlTexelBuffer wakes_{GL_RGBA32I};
     GlTexture ripples_;
     GlTexture bed_;
-};
-
-/// The near sea: tessellated patches, drawn in batches. Writes 1 into the stencil wherever a patch lies.
-class SeaPass {
-public:
-    SeaPass();
-    void draw(const SeaMesh& mesh, bool wireframe);
-
-private:
-    ShaderProgram program_{"sea.vert", "sea.tesc", "sea.tese", "sea.frag"};
-    GlVertexArray quads_layout_;
-    GlBuffer quads_;
-};
-
-/// The sea beyond the patches, down to the horizon: a disc around the camera where the stencil holds no patch.
-class FarSeaPass {
-public:
-    FarSeaPass();
-    /// Reaches out to `radius_m`.
-    void draw(float radius_m);
-
-private:
-    ShaderProgram program_{"far_sea.vert", "far_sea.frag"};
-    GlVertexArray layout_;
-    GlBuffer vertices_;
-    GlBuffer indices_;
-    float radius_m_ = 0;
-    GLsizei index_count_ = 0;
 };
 
 }  // namespace trochoid
