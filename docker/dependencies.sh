@@ -24,7 +24,7 @@ group_build=(
     g++ cmake ninja-build ccache pkg-config git ca-certificates
     libboost1.81-dev libflatbuffers-dev flatbuffers-compiler libspdlog-dev libfmt-dev libcli11-dev
     libtomlplusplus-dev nlohmann-json3-dev libtiff-dev libgeotiff-dev libproj-dev libpng-dev libnetcdf-dev
-    libglm-dev libglfw3-dev libepoxy-dev libegl-dev libimgui-dev libstb-dev libhwy-dev
+    libglm-dev libglfw3-dev libepoxy-dev libegl-dev libimgui-dev libstb-dev libhwy-dev libfftw3-dev
 )
 group_view=(
     libgl1 libegl1 libegl-mesa0 libglx-mesa0 libgl1-mesa-dri

@@ -8,6 +8,7 @@
 #include <stdexcept>
 #include <thread>
 
+#include "client/app/probe_grid.hpp"
 #include "client/app/probe_options.hpp"
 #include "client/app/probe_report.hpp"
 #include "client/net/blocking_link.hpp"
@@ -187,10 +188,36 @@ int watch(OceanSession& session, const ProbeOptions& options) {
     return 0;
 }
 
+/// What a budget buys and what coarse evaluation saves; 0 where the stated bounds hold.
+int read_grid(OceanSession& session, const ProbeOptions& options) {
+    const LatticeGrid grid = *grid_within(options.regions.front(), options.grid);
+    const SeaTime first = (options.at_s ? SeaTime{seconds_to_us(*options.at_s)} : session.sea_time_now()) +
+                          seconds_to_us(options.in_s);
+    const bool json = options.output == ProbeOutput::json;
+    bool bounds_hold = true;
+    for (uint32_t i = 0; i < options.times; ++i) {
+        const SeaTime time = first + int64_t{i} * seconds_to_us(options.every_s);
+        const Sea sea = session.snapshot()->sea;
+        if (options.budget) {
+            const BudgetAnswer answer = spend_budget(sea, time, grid, *options.budget);
+            fmt::print("{}", json ? json_line(answer) : text_of(answer));
+            bounds_hold = bounds_hold && answer.keeps_bound();
+        }
+        if (options.coarse) {
+            const CoarseAnswer answer = evaluate_coarsely(sea, time, grid, {*options.coarse});
+            fmt::print("{}", json ? json_line(answer) : text_of(answer));
+            bounds_hold = bounds_hold && answer.keeps_bound();
+        }
+    }
+    fmt::print(json ? stderr : stdout, "{}", summary(session.statistics(), *session.snapshot()));
+    return bounds_hold ? 0 : 1;
+}
+
 int run(const ProbeOptions& options) {
     self_check();
     OceanSession session(session_options(options));
     await_cover(session, options, {});
+    if (options.budget || options.coarse) return read_grid(session, options);
     return options.watch ? watch(session, options) : read_times(session, options);
 }
 

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <string_view>
 
+#include "client/app/probe_grid.hpp"
 #include "client/sample/water_sampler.hpp"
 #include "protocol/codec/messages.hpp"
 #include "protocol/units/hash.hpp"
@@ -102,6 +103,23 @@ void add_options(CLI::App& app, Typed& typed, ProbeOptions& options) {
     app.add_option("--seconds", options.seconds, "End watching after so long")
         ->check(within(0.001, 1e9))
         ->needs(watch);
+    CLI::Option* budget =
+        app.add_option(
+               "--budget", options.budget,
+               "Which trains so many point-trains buy on a grid inside the first region, and what is lost "
+               "(1: one train at one point)")
+            ->check(within(0.0, 1e15));
+    CLI::Option* coarse =
+        app.add_option(
+               "--coarse", options.coarse,
+               "Evaluate the long waves of that grid at every 2nd, 4th, 8th or 16th point only: error "
+               "bound, error seen, time saved")
+            ->check(CLI::IsMember({2, 4, 8, 16}));
+    for (CLI::Option* of_grid : {budget, coarse})
+        of_grid->excludes(watch)->excludes(bits)->excludes(follow)->excludes("--compare");
+    app.add_option("--grid", options.grid, "Points along a side of the grid of --budget and --coarse")
+        ->check(within(2U, 2048U))
+        ->capture_default_str();
     app.add_option("--patience", typed.patience_s, "Seconds to wait for the server")
         ->check(within(0.1, 3600.0))
         ->capture_default_str();
@@ -130,7 +148,13 @@ void choose_places(const Typed& typed, ProbeOptions& options) {
                         options.regions.size(), Limits{}.sync_regions));
     const auto more = points_inside(options.regions, typed.random_points, typed.seed);
     options.points.insert(options.points.end(), more.begin(), more.end());
-    if (options.points.empty()) throw OperatorError("no points: give --point X,Z or --points N");
+    const bool on_a_grid = options.budget || options.coarse;
+    if (on_a_grid && !grid_within(options.regions.front(), options.grid))
+        throw OperatorError(fmt::format(
+            "--grid {} finds no room in a region of {:g} m: give a larger --region X,Z,R, or fewer points",
+            options.grid, to_metres(options.regions.front().radius)));
+    if (options.points.empty() && !on_a_grid)
+        throw OperatorError("no points: give --point X,Z or --points N");
 }
 
 }  // namespace
@@ -144,6 +168,8 @@ std::optional<ProbeOptions> read_probe_options(int argc, const char* const* argv
         "  trochoid-probe --point 100,-250 --times 5 --every 0.5\n"
         "  trochoid-probe --region 0,0,500 --region 3000,0,200 --points 1000 --compare\n"
         "  trochoid-probe --point 0,0 --watch --every 0.2\n"
+        "  trochoid-probe --region 0,0,500 --budget 500000 --grid 256\n"
+        "  trochoid-probe --region 0,0,500 --coarse 8\n"
         "Exit: 0 all well, 1 bits differ, the server refused or went away, 2 bad options or address.");
     Typed typed;
     ProbeOptions options;
@@ -158,7 +184,7 @@ std::optional<ProbeOptions> read_probe_options(int argc, const char* const* argv
         throw OperatorError(fmt::format("{} (see trochoid-probe --help)", error.what()));
     }
     for (const double v : {typed.patience_s, options.at_s.value_or(0.0), options.in_s, options.every_s,
-                           options.seconds.value_or(0.0)})
+                           options.seconds.value_or(0.0), options.budget.value_or(0.0)})
         if (!std::isfinite(v)) throw OperatorError("options want finite numbers (see trochoid-probe --help)");
     options.server = parse_endpoint(typed.server);
     options.output = typed.json ? ProbeOutput::json : typed.bits ? ProbeOutput::bits : ProbeOutput::table;

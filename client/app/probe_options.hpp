@@ -27,6 +27,9 @@ struct ProbeOptions {
     bool follow = false;            ///< wait for each time to come and to be confirmed
     bool watch = false;             ///< print the first point's water until ended
     std::optional<double> seconds;  ///< end watching after so long
+    std::optional<double> budget;   ///< point-trains to be spent on a grid, instead of reading points
+    std::optional<int> coarse;      ///< coarse step over grid step, instead of reading points
+    uint32_t grid = 256;            ///< points along a side of the grid of both, inside the first region
     std::chrono::milliseconds patience{30000};
 };
 

@@ -56,6 +56,7 @@ SceneInput SessionSeaSource::snapshot() {
             input.rays.insert(input.rays.end(), of_box.rays.begin(), of_box.rays.end());
     }
     input.statistics = source_statistics(session_.statistics());
+    input.statistics.known_until = input.now;
     return input;
 }
 

@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <spdlog/spdlog.h>
 
 #include <csignal>
 #include <cstdio>
@@ -6,6 +7,7 @@
 
 #include "client/app/session_sea_source.hpp"
 #include "client/app/viewer_loop.hpp"
+#include "client/gpu/graphics_error.hpp"
 #include "protocol/units/operator_error.hpp"
 #include "protocol/units/version.hpp"
 
@@ -15,7 +17,7 @@ volatile std::sig_atomic_t interrupted = 0;
 
 void interrupt(int /*signal*/) { interrupted = 1; }
 
-int view(const trochoid::ViewerOptions& options) {
+int view(const trochoid::ViewerOptions& options, const std::filesystem::path& settings) {
     std::signal(SIGINT, interrupt);
     std::signal(SIGTERM, interrupt);
     trochoid::SessionOptions session;
@@ -23,22 +25,42 @@ int view(const trochoid::ViewerOptions& options) {
     session.software = fmt::format("trochoid-viewer {}", trochoid::software_version());
     session.token = options.token;
     session.view = trochoid::view_of(options.camera, glm::dvec3(0));
-    session.view.accepted_error_px = trochoid::draw_options_of(options).error_px;
+    session.view.accepted_error_px = options.draw.error_px;
     trochoid::SessionSeaSource source(session);
     const trochoid::ViewerSummary summary =
-        trochoid::run_viewer(source, options, [] { return interrupted != 0; });
+        trochoid::run_viewer(source, options, [] { return interrupted != 0; }, settings);
     fmt::print("trochoid-viewer: {}\n", trochoid::summary_line(summary));
     return 0;
+}
+
+int start(int argc, char** argv) {
+    std::filesystem::path settings = trochoid::settings_file();
+    const trochoid::KeptSettings kept = trochoid::load_settings(settings);
+    const std::optional<trochoid::ViewerOptions> options = trochoid::parse_viewer_options(argc, argv, kept.values);
+    if (!options) return 0;
+    if (options->keeps_settings && !kept.complaint.empty()) {
+        spdlog::warn("{}", kept.complaint);
+        // What the person wrote there is not to be lost.
+        settings.clear();
+    }
+    return view(*options, settings);
+}
+
+int complain(const char* what, int status) {
+    fmt::print(stderr, "trochoid-viewer: {}\n", what);
+    return status;
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
     try {
-        const std::optional<trochoid::ViewerOptions> options = trochoid::parse_viewer_options(argc, argv);
-        return options ? view(*options) : 0;
+        return start(argc, argv);
     } catch (const trochoid::OperatorError& error) {
-        fmt::print(stderr, "trochoid-viewer: {}\n", error.what());
-        return 2;
+        return complain(error.what(), 2);
+    } catch (const trochoid::GraphicsError& error) {
+        return complain(error.what(), 3);
+    } catch (const trochoid::ServerGone& error) {
+        return complain(error.what(), 1);
     }
 }

@@ -6,6 +6,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "client/scene/layer_names.hpp"
 #include "protocol/units/operator_error.hpp"
 
 namespace trochoid {
@@ -17,6 +18,50 @@ double median_of(std::vector<double> values) {
     return *middle;
 }
 
+namespace {
+
+nlohmann::ordered_json choices_of(const ViewerSummary& s) {
+    std::vector<std::string> layers;
+    for (const NamedLayer& l : layers_by_importance)
+        if (s.options.layers.has(l.layer)) layers.emplace_back(l.name);
+    return {
+        {"quality", name_of(s.quality)},
+        {"preset", s.preset},
+        {"mesher", name_of(s.options.mesher)},
+        {"refine", name_of(s.options.refinement)},
+        {"displacement", name_of(s.options.displacement)},
+        {"far", name_of(s.options.far_method)},
+        {"hour", s.options.hour},
+        {"error_px", s.options.error_px},
+        {"samples", s.options.samples},
+        {"layers", layers},
+    };
+}
+
+nlohmann::ordered_json budget_of(const BudgetReport& b) {
+    std::vector<std::string> given;
+    for (const Sacrifice what : b.given_up) given.emplace_back(name_of(what));
+    return {
+        {"target_ms", b.target_ms},       {"takes_ms", b.load_ms},
+        {"state", name_of(b.verdict)},    {"mesh_coarser_by", b.error_factor},
+        {"given_up", given},              {"left_to_give_up", b.left_to_give},
+        {"changes", b.changes},
+    };
+}
+
+nlohmann::ordered_json trains_of(const TrainAccount& t) {
+    return {
+        {"shown", t.shown},
+        {"known", t.known},
+        {"at_most_lost_m", t.lost_m},
+        {"best_choice_loses_m", t.best_lost_m},
+        {"best_choice_proven", t.best_proven},
+        {"not_sent_m", t.server_left_out_m},
+    };
+}
+
+}  // namespace
+
 std::string summary_line(const ViewerSummary& s) {
     return fmt::format(
         "{:.1f} frames/s (median of {}), {} patches drawn of {}, {} wave trains in {} boxes, {} bytes received, {} viewer",
@@ -26,7 +71,7 @@ std::string summary_line(const ViewerSummary& s) {
 }
 
 void write_summary(const std::string& path, const ViewerSummary& s) {
-    const nlohmann::ordered_json json{
+    nlohmann::ordered_json json{
         {"frames_per_second", s.median_fps},
         {"frames", s.frames},
         {"cpu_ms", s.median_cpu_ms},
@@ -51,7 +96,12 @@ void write_summary(const std::string& path, const ViewerSummary& s) {
         {"server", s.source.server_version},
         {"sea_time_us", s.sea_time.us},
         {"gl", s.gl},
+        {"options", choices_of(s)},
+        {"pass_ms", s.median_pass_ms},
+        {"recorded_pictures", s.recorded_pictures},
     };
+    if (s.budget) json["budget"] = budget_of(*s.budget);
+    if (s.trains) json["trains_at_camera"] = trains_of(*s.trains);
     std::ofstream file(path);
     file << json.dump(2) << '\n';
     file.flush();

@@ -1,10 +1,15 @@
 #pragma once
 #include <cstdint>
+#include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "client/scene/draw_options.hpp"
+#include "client/scene/frame_budget.hpp"
 #include "client/scene/frame_report.hpp"
 #include "client/scene/scene_input.hpp"
+#include "client/scene/train_account.hpp"
 
 namespace trochoid {
 
@@ -18,6 +23,13 @@ struct ViewerSummary {
     SourceStatistics source;
     SeaTime sea_time;
     std::string gl;  ///< version and device
+    std::map<std::string, double> median_pass_ms;  ///< on the GPU, by the pass's name
+    DrawOptions options;                           ///< in force at the end
+    Quality quality = Quality::medium;
+    std::string preset;
+    std::optional<BudgetReport> budget;  ///< where a controller held a target
+    std::optional<TrainAccount> trains;  ///< at the camera's last place
+    uint64_t recorded_pictures = 0;
 };
 
 /// Median of durations or rates; 0 of nothing.

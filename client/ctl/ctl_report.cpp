@@ -179,17 +179,13 @@ std::string report(const ClockReply& reply, bool json) {
 }
 
 std::string refusal(const CommandReply& reply) {
-    const char* advice = "";
-    if (reply.code == ErrorCode::token_required) advice = "; use --token-file FILE";
-    if (reply.code == ErrorCode::unknown_box || reply.code == ErrorCode::already_ending)
-        advice = "; see trochoid-ctl list";
-    if (reply.code == ErrorCode::not_moving)
-        advice = "; ships and moving winds can be steered, trochoid-ctl list shows them";
-    if (reply.code == ErrorCode::too_many_legs) advice = "; stop this one and start another";
-    if (reply.code == ErrorCode::no_terrain) advice = "; start trochoid-server with a scene that has terrain";
-    if (reply.code == ErrorCode::too_late) advice = "; ask for a later time, or leave out --or-refuse";
+    // The server says what to do; here stands only how trochoid-ctl is told to.
+    const char* how = "";
+    if (reply.code == ErrorCode::token_required) how = " (--token-file FILE)";
+    if (reply.code == ErrorCode::unknown_box) how = " (trochoid-ctl list)";
+    if (reply.code == ErrorCode::too_late) how = " (--at, --in, --or-refuse)";
     return fmt::format("the server refuses ({} {}): {}{}", static_cast<unsigned>(reply.code),
-                       error_class(reply.code), reply.message, advice);
+                       error_class(reply.code), reply.message, how);
 }
 
 }  // namespace trochoid

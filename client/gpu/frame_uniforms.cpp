@@ -11,12 +11,6 @@ namespace trochoid {
 
 namespace {
 
-/// Ripples travel in tiles per second; the fraction of a tile is taken in double, so they never freeze.
-float travelled(double seconds, double tiles_per_second) {
-    const double tiles = seconds * tiles_per_second;
-    return static_cast<float>(tiles - std::floor(tiles));
-}
-
 /// Haze between a camera and the sea, 1/m: sight ends softly at about 35 km; above, the air is clearer.
 float haze_at(double altitude_m) {
     constexpr double at_sea_level = 1.0 / 24'000.0;
@@ -25,13 +19,29 @@ float haze_at(double altitude_m) {
     return static_cast<float>(at_sea_level * (1.0 - std::exp(-heights)) / heights);
 }
 
-}  // namespace
-
-glm::vec3 sun_direction() {
-    const double up = 0.42;       // radians above the horizon
-    const double towards = 4.22;  // radians clockwise from north
-    return {std::sin(towards) * std::cos(up), std::sin(up), -std::cos(towards) * std::cos(up)};
+/// Sun, sky and clouds under a weather: an overcast sky lets a fifth of the light through, evenly.
+void set_light(FrameUniforms& u, const SkyLight& light, const SeaWeather& weather) {
+    const float closed = overcast_of(weather.wind_m_s);
+    const float sunlit = 0.32F * std::max(light.towards.y, 0.0F);
+    const glm::vec3 level = light.ambient + light.irradiance * sunlit;
+    const float grey = glm::dot(level, glm::vec3(0.3F, 0.5F, 0.2F));
+    const glm::vec3 clouds = glm::mix(level, grey * glm::vec3(0.90F, 1.0F, 1.10F), 0.8F) * 0.36F;
+    u.sun = glm::vec4(light.towards, 0.0F);
+    const float through = (1.0F - closed) * (1.0F - closed);
+    u.sun_light = {light.irradiance * through, light.exposure * (1.0F + 0.30F * closed)};
+    u.sky_ambient = {glm::mix(light.ambient, clouds, closed), light.night};
+    u.overcast = {clouds * 1.12F, closed};
 }
+
+/// See FrameUniforms::sea_state in frame.glsl.
+glm::vec4 sea_state_of(const SeaWeather& weather) {
+    const float ripples = std::max(cox_munk_variance(weather.wind_m_s) - weather.slope_variance, 0.0022F);
+    const float caps = whitecap_share(weather.wind_m_s);
+    return {weather.slope_variance, ripples, caps > 1e-4F ? normal_quantile(caps) : 4.0F,
+            std::max(std::sqrt(weather.fold_variance), 0.02F)};
+}
+
+}  // namespace
 
 glm::vec2 ripple_axis(int number) {
     constexpr std::array<glm::vec2, 3> first{glm::vec2(1.0F, 0.0F), glm::vec2(0.8F, 0.6F),
@@ -66,22 +76,23 @@ FrameUniforms make_uniforms(const FrameInputs& in) {
     u.mesh_eye = {eye.fraction, eye.altitude, 0.0F};
     u.mesh_filter = {eye.filter.finest_spacing, eye.filter.angle_per_vertex,
                      in.options.authoritative ? 1.0F : 0.0F, 0.0F};
-    u.sun = glm::vec4(sun_direction(), 0.0F);
+    set_light(u, in.light, in.weather);
     u.bed_transform = bed_map_transform(in.bed, frame);
     u.ripple_axes = {ripple_axis(in.ripple_axis), ripple_axis(in.ripple_axis + 1)};
     const double seconds = static_cast<double>(in.now.us) / 1e6;
-    // About the speeds of waves a fifth as long as the tiles.
-    u.scroll = {travelled(seconds, 0.26), travelled(seconds, 0.13), travelled(seconds, 0.068),
-                travelled(seconds, 0.013)};
+    u.scroll = in.scroll;
     u.picture = {radians_per_pixel(in.camera), haze_at(in.camera.altitude_m),
                  static_cast<float>(std::fmod(seconds, 4096.0)),
                  static_cast<float>(std::fmod(seconds, 200'000.0) * 0.004)};
     u.foam = {0.6F, 1.1F, in.bed.open_sea_m, in.bed.belt_m};
     u.choice = {static_cast<int>(in.options.displacement), static_cast<int>(in.options.far_method),
-                static_cast<int>(in.options.refinement), 0};
+                static_cast<int>(eye.refinement), 0};
     const float length = glm::length(in.heading);
-    u.wind = {length > 1e-6F ? in.heading / length : glm::vec2(1, 0), 0.0F,
+    u.wind = {length > 1e-6F ? in.heading / length : glm::vec2(1, 0), in.weather.wind_m_s,
               static_cast<float>(in.options.hour)};
+    u.mesh_sides = eye.sides;
+    u.sea_state = sea_state_of(in.weather);
+    u.foam_map_place = in.foam_map_place;
     return u;
 }
 

@@ -1,4 +1,5 @@
 #pragma once
+#include <array>
 #include <glm/mat4x4.hpp>
 #include <glm/vec4.hpp>
 
@@ -6,6 +7,8 @@
 #include "client/scene/camera.hpp"
 #include "client/scene/draw_options.hpp"
 #include "client/scene/edge_level.hpp"
+#include "client/scene/sea_weather.hpp"
+#include "client/scene/sky_model.hpp"
 #include "protocol/model/sea.hpp"
 #include "protocol/units/sea_time.hpp"
 
@@ -28,6 +31,12 @@ struct FrameUniforms {
     glm::vec4 foam{0};
     glm::ivec4 choice{0};
     glm::vec4 wind{1, 0, 0, 12};
+    std::array<glm::vec4, 4> mesh_sides{};
+    glm::vec4 sun_light{0};
+    glm::vec4 sky_ambient{0};
+    glm::vec4 overcast{0};
+    glm::vec4 sea_state{0, 0, 4, 1};
+    glm::vec4 foam_map_place{0};
 };
 
 /// What a frame's uniforms follow from.
@@ -40,6 +49,10 @@ struct FrameInputs {
     int ripple_axis = 0;   ///< see ripple_axis_near
     DrawOptions options;   ///< layers, methods and the like
     glm::vec2 heading{0};  ///< where the slopes near the camera travel (SeaTable::heading_at)
+    SkyLight light{};
+    SeaWeather weather{};
+    glm::vec4 scroll{0};          ///< RippleScroll::tiles
+    glm::vec4 foam_map_place{0};  ///< FoamPass::place
 };
 FrameUniforms make_uniforms(const FrameInputs& inputs);
 
@@ -47,8 +60,5 @@ FrameUniforms make_uniforms(const FrameInputs& inputs);
 glm::vec2 ripple_axis(int number);
 /// Number of the direction nearest to a heading; keeps `current` where the heading has not turned far from it.
 int ripple_axis_near(glm::vec2 heading, int current);
-
-/// Unit vector towards the sun: afternoon, 24 degrees above the west-south-west.
-glm::vec3 sun_direction();
 
 }  // namespace trochoid

@@ -45,6 +45,25 @@ EGLDisplay open_display() {
     return first_device();
 }
 
+/// One that tells when the device was reset, where EGL has such; else a plain one.
+EGLContext create_context(EGLDisplay display, EGLConfig config) {
+    std::array<EGLint, 9> wanted{EGL_CONTEXT_MAJOR_VERSION,
+                                 4,
+                                 EGL_CONTEXT_MINOR_VERSION,
+                                 1,
+                                 EGL_CONTEXT_OPENGL_PROFILE_MASK,
+                                 EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT,
+                                 EGL_CONTEXT_OPENGL_RESET_NOTIFICATION_STRATEGY,
+                                 EGL_LOSE_CONTEXT_ON_RESET,
+                                 EGL_NONE};
+    if (epoxy_egl_version(display) >= 15) {
+        EGLContext context = eglCreateContext(display, config, EGL_NO_CONTEXT, wanted.data());
+        if (context != EGL_NO_CONTEXT) return context;
+    }
+    wanted[6] = EGL_NONE;
+    return eglCreateContext(display, config, EGL_NO_CONTEXT, wanted.data());
+}
+
 }  // namespace
 
 OffscreenContext::OffscreenContext() {
@@ -58,14 +77,7 @@ OffscreenContext::OffscreenContext() {
     EGLConfig config = nullptr;
     EGLint count = 0;
     eglChooseConfig(display_, wanted.data(), &config, 1, &count);
-    const std::array<EGLint, 7> version{EGL_CONTEXT_MAJOR_VERSION,
-                                        4,
-                                        EGL_CONTEXT_MINOR_VERSION,
-                                        1,
-                                        EGL_CONTEXT_OPENGL_PROFILE_MASK,
-                                        EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT,
-                                        EGL_NONE};
-    context_ = eglCreateContext(display_, count > 0 ? config : nullptr, EGL_NO_CONTEXT, version.data());
+    context_ = create_context(display_, count > 0 ? config : nullptr);
     if (context_ == EGL_NO_CONTEXT ||
         eglMakeCurrent(display_, EGL_NO_SURFACE, EGL_NO_SURFACE, context_) != EGL_TRUE)
         throw OperatorError(
@@ -76,11 +88,6 @@ OffscreenContext::~OffscreenContext() {
     eglMakeCurrent(display_, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
     eglDestroyContext(display_, context_);
     eglTerminate(display_);
-}
-
-std::string describe_gl() {
-    const auto text = [](GLenum name) { return reinterpret_cast<const char*>(glGetString(name)); };
-    return fmt::format("OpenGL {} on {}", text(GL_VERSION), text(GL_RENDERER));
 }
 
 }  // namespace trochoid

@@ -1,5 +1,5 @@
 #pragma once
-#include <string>
+#include "client/gpu/gl_health.hpp"
 
 namespace trochoid {
 
@@ -16,8 +16,5 @@ private:
     void* display_ = nullptr;
     void* context_ = nullptr;
 };
-
-/// "OpenGL 4.5 … on llvmpipe …", of the current context.
-std::string describe_gl();
 
 }  // namespace trochoid

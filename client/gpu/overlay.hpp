@@ -1,40 +1,29 @@
 #pragma once
+#include <string>
+
+#include "client/gpu/overlay_content.hpp"
 #include "client/gpu/window.hpp"
-#include "client/scene/camera.hpp"
-#include "client/scene/draw_options.hpp"
-#include "client/scene/frame_report.hpp"
-#include "client/scene/scene_input.hpp"
 
 namespace trochoid {
 
-/// All that the overlay says.
-struct OverlayContent {
-    FrameReport report;
-    SourceStatistics source;
-    SeaTime now;
-    Camera camera;
-    double speed = 0;  ///< of the camera, m/s
-    double frames_per_second = 0;
-    double frame_ms = 0;
-    DrawOptions options;
-    bool frozen = false;  ///< culling camera
-};
-
-/// Numbers over the picture (Dear ImGui). One at a time; works with a window and without.
+/// Numbers, timers and help over the picture (Dear ImGui). One at a time; works with a window and without.
 class Overlay {
 public:
-    /// `window` may be null: then nobody presses anything.
-    explicit Overlay(const Window* window);
+    /// `window` may be null: then nobody presses anything. `text_scale` 0 follows the display's density.
+    Overlay(const Window* window, float text_scale);
     Overlay(const Overlay&) = delete;
     Overlay& operator=(const Overlay&) = delete;
     ~Overlay();
 
-    /// Draws into the framebuffer at hand: the numbers where they are wanted, and what is wrong with the connection as long as
-    /// something is.
-    void draw(const OverlayContent& content, bool numbers, uint32_t width, uint32_t height) const;
+    /// Draws into the framebuffer at hand: the panels that are wanted, and what is to be told as long as it is.
+    void draw(const OverlayContent& content, OverlayPanels panels, uint32_t width, uint32_t height);
 
 private:
-    bool windowed_;
+    void follow_density();
+
+    const Window* window_;
+    float wanted_scale_;
+    float scale_ = 0.0F;
 };
 
 }  // namespace trochoid

@@ -1,11 +1,16 @@
 #pragma once
+#include <cstdint>
 #include <string>
+#include <vector>
 
 #include "client/gpu/render_target.hpp"
 
 namespace trochoid {
 
-/// Writes a PNG file. Throws OperatorError where the file cannot be written.
+/// The same picture gives the same bytes.
+std::vector<uint8_t> encode_png(const Picture& picture);
+
+/// Writes a PNG file, in place of an older one. Throws OperatorError where the file cannot be written whole.
 void write_png(const std::string& path, const Picture& picture);
 
 }  // namespace trochoid

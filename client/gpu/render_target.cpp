@@ -1,8 +1,10 @@
 #include "client/gpu/render_target.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
-#include "protocol/units/assert.hpp"
+#include "client/gpu/graphics_error.hpp"
 
 namespace trochoid {
 
@@ -14,22 +16,35 @@ void store(GLuint renderbuffer, GLenum format, uint32_t samples, uint32_t width,
                                      static_cast<GLsizei>(width), static_cast<GLsizei>(height));
 }
 
+uint32_t limit_of(GLenum name) {
+    GLint limit = 0;
+    glGetIntegerv(name, &limit);
+    return static_cast<uint32_t>(std::max(limit, 1));
+}
+
 }  // namespace
 
 RenderTarget::RenderTarget(uint32_t width, uint32_t height, uint32_t samples)
-    : width_(width), height_(height), samples_(samples) {
+    : width_(width), height_(height), samples_(std::min(samples, limit_of(GL_MAX_SAMPLES))) {
+    if (const uint32_t most = limit_of(GL_MAX_RENDERBUFFER_SIZE); std::max(width, height) > most)
+        throw GraphicsError(fmt::format(
+            "This graphics device draws pictures of up to {0} x {0}, not {1} x {2}. Take a smaller --size.", most, width,
+            height));
     glGenRenderbuffers(3, renderbuffers_);
     glGenFramebuffers(1, &drawn_);
-    store(renderbuffers_[0], GL_RGBA8, samples, width, height);
-    store(renderbuffers_[1], GL_DEPTH32F_STENCIL8, samples, width, height);
+    store(renderbuffers_[0], GL_RGBA8, samples_, width, height);
+    store(renderbuffers_[1], GL_DEPTH32F_STENCIL8, samples_, width, height);
     glBindFramebuffer(GL_FRAMEBUFFER, drawn_);
     glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_RENDERBUFFER, renderbuffers_[0]);
     glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_DEPTH_STENCIL_ATTACHMENT, GL_RENDERBUFFER,
                               renderbuffers_[1]);
-    TROCHOID_ASSERT(glCheckFramebufferStatus(GL_FRAMEBUFFER) == GL_FRAMEBUFFER_COMPLETE,
-                    "{} x {} with {} samples", width, height, samples);
+    if (glCheckFramebufferStatus(GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE)
+        throw GraphicsError(
+            fmt::format("The graphics device has no room for a picture of {} x {} with {} samples a pixel. Take a smaller "
+                        "--size or --samples 1.",
+                        width, height, samples_));
     resolved_ = drawn_;
-    if (samples > 1) {
+    if (samples_ > 1) {
         store(renderbuffers_[2], GL_RGBA8, 1, width, height);
         glGenFramebuffers(1, &resolved_);
         glBindFramebuffer(GL_FRAMEBUFFER, resolved_);

@@ -35,17 +35,12 @@ size_t texel_buffer_limit() {
     return static_cast<size_t>(limit);
 }
 
-/// Depth of infinity as the vertex shader writes it.
-ShaderProgram::Options sky_options(DepthRange range) {
-    return {{range == DepthRange::reversed_zero_to_one ? "SKY_DEPTH 0.0" : "SKY_DEPTH 1.0"}, {}};
-}
-
 }  // namespace
 
 Renderer::Renderer()
     : depth_range_(best_depth_range()),
       texel_limit_(texel_buffer_limit()),
-      sky_({"sky.vert", "sky.frag"}, sky_options(depth_range_)) {
+      sky_(depth_range_) {
     if (depth_range_ == DepthRange::reversed_zero_to_one) glClipControl(GL_LOWER_LEFT, GL_ZERO_TO_ONE);
 }
 
@@ -87,7 +82,9 @@ Renderer::Chosen Renderer::choose(const SceneInput& input, const Camera& camera,
     chosen.frame = frame_of(camera, depth_range_);
     chosen.culling = frame_of(culling_camera, depth_range_, chosen.frame.anchor);
     chosen.planes = planes_of(chosen.culling, depth_range_);
-    chosen.eye = mesh_eye(chosen.culling, filter_of(camera, options, input.statistics.error_in_force_px));
+    const WaveBounds waves = sea_table_.bounds_of_list(0);
+    chosen.eye = mesh_eye(chosen.culling, filter_of(camera, options, input.statistics.error_in_force_px),
+                          options.refinement, chosen.planes, waves.height + waves.displacement);
     chosen.land = select_terrain(tiles_, chosen.culling, chosen.planes, radians_per_pixel(camera),
                                  options.land_error_px);
     SeaMesh patches;
@@ -100,13 +97,28 @@ Renderer::Chosen Renderer::choose(const SceneInput& input, const Camera& camera,
 
 void Renderer::upload(const Chosen& chosen, const Camera& camera, SeaTime now, const DrawOptions& options) {
     buffers_.set_records(sea_table_.records(land_table_, chosen.frame.anchor, now, options.layers));
-    const glm::vec2 heading = sea_table_.heading_at(camera.position, now);
-    ripple_axis_ = ripple_axis_near(heading, ripple_axis_);
+    const bool remembers = options.foam_history && options.far_method != FarMethod::texture;
+    const uint32_t foam_side = remembers ? options.foam_map_side : 0;
+    weather_ = sea_table_.weather_at(camera.position, now,
+                                     FoamPass::shortest_wave_m(std::max(foam_side, uint32_t{128})));
+    other_seas_.prepare(options.displacement, weather_, now);
+    ripple_axis_ = ripple_axis_near(weather_.heading, ripple_axis_);
+    scroll_.advance(now, weather_.wind_m_s);
     const FrameUniforms uniforms =
-        make_uniforms({camera, chosen.frame, chosen.eye, bed_, now, ripple_axis_, options, heading});
+        make_uniforms({camera, chosen.frame, chosen.eye, bed_, now, ripple_axis_, options, weather_.heading,
+                       sky_.light_at(options.hour), weather_, scroll_.tiles(),
+                       foam_.place(camera, chosen.frame, now, foam_side)});
     uniforms_.fill(GL_UNIFORM_BUFFER, std::span<const FrameUniforms>(&uniforms, 1), GL_STREAM_DRAW);
     glBindBufferBase(GL_UNIFORM_BUFFER, frame_binding, uniforms_.name());
     buffers_.bind();
+    if (options.land && options.coherent_land) {
+        if (!coherent_land_) coherent_land_ = std::make_unique<CoherentLand>();
+        coherent_land_->prepare(uniforms, uniforms_.name(), chosen.culling.anchor, chosen.eye, bed_,
+                                options.most_triangles);
+    }
+    sky_.prepare(now, uniforms);
+    timers_.begin_pass("foam");
+    foam_.update(foam_side != 0, weather_);
 }
 
 Mesher& Renderer::mesher_of(MesherKind kind) {
@@ -140,18 +152,22 @@ void Renderer::draw_passes(const Chosen& chosen, const Camera& camera, const Dra
     glDepthFunc(reversed ? GL_GREATER : GL_LESS);
     // Land first: the sea's edge is blended over it.
     timers_.begin_pass("land");
-    if (options.land) land_.draw(chosen.land, chosen.frame, options.wireframe);
+    if (options.land && options.coherent_land)
+        coherent_land_->draw(uniforms_.name(), options.wireframe);
+    else if (options.land)
+        land_.draw(chosen.land, chosen.frame, options.wireframe);
     timers_.begin_pass("sea");
     draw_near_sea(mesher_of(options.mesher), options.wireframe);
     timers_.begin_pass("far sea");
-    if (options.far_sea) far_sea_.draw(horizon_m(camera.altitude_m));
+    if (options.far_sea) far_sea_.draw(camera, horizon_m(camera.altitude_m));
     timers_.begin_pass("sky");
     if (options.sky) {
         glDepthFunc(reversed ? GL_GEQUAL : GL_LEQUAL);
-        sky_.use();
-        nothing_.bind();
-        glDrawArrays(GL_TRIANGLES, 0, 3);
+        sky_.draw();
     }
+    timers_.begin_pass("spray");
+    glDepthFunc(reversed ? GL_GREATER : GL_LESS);
+    if (options.spray) spray_.draw(foam_, weather_.wind_m_s, camera.height);
     timers_.begin_pass("lines");
     lines_.draw(chosen.lines);
 }
@@ -179,8 +195,9 @@ FrameReport Renderer::draw(const RenderTarget& target, const SceneInput& input, 
     take_over(input);
     const Chosen chosen = choose(input, camera, culling_camera, options);
     timers_.begin_frame();
-    timers_.begin_pass("mesh");
+    timers_.begin_pass("light");
     upload(chosen, camera, input.now, options);
+    timers_.begin_pass("mesh");
     const MeshCounts mesh =
         mesher_of(options.mesher)
             .prepare({known_state(), sea_table_, chosen.culling, chosen.planes, chosen.eye, options});
@@ -189,6 +206,7 @@ FrameReport Renderer::draw(const RenderTarget& target, const SceneInput& input, 
     timers_.end_frame();
     target.resolve();
     FrameReport report = report_of(chosen, mesh);
+    if (options.coherent_land && coherent_land_) report.land_triangles = coherent_land_->work().triangles;
     report.cpu_ms = milliseconds_since(start);
     return report;
 }

@@ -2,16 +2,22 @@
 #include <array>
 #include <memory>
 
+#include "client/gpu/coherent_land.hpp"
 #include "client/gpu/far_sea_pass.hpp"
+#include "client/gpu/foam_pass.hpp"
 #include "client/gpu/frame_uniforms.hpp"
 #include "client/gpu/land_pass.hpp"
 #include "client/gpu/line_pass.hpp"
 #include "client/gpu/mesher.hpp"
+#include "client/gpu/other_seas.hpp"
 #include "client/gpu/pass_timers.hpp"
 #include "client/gpu/render_target.hpp"
 #include "client/gpu/sea_buffers.hpp"
+#include "client/gpu/sky_pass.hpp"
+#include "client/gpu/spray_pass.hpp"
 #include "client/scene/draw_options.hpp"
 #include "client/scene/frame_report.hpp"
+#include "client/scene/ripple_scroll.hpp"
 #include "client/scene/scene_input.hpp"
 
 namespace trochoid {
@@ -47,12 +53,15 @@ private:
     DepthRange depth_range_;
     size_t texel_limit_;
     SeaBuffers buffers_;
+    OtherSeas other_seas_;
     std::array<std::unique_ptr<Mesher>, 4> meshers_;
     FarSeaPass far_sea_;
     LandPass land_;
+    std::unique_ptr<CoherentLand> coherent_land_;  // made when it is first wanted
     LinePass lines_;
-    ShaderProgram sky_;
-    GlVertexArray nothing_;
+    SkyPass sky_;
+    FoamPass foam_;
+    SprayPass spray_;
     GlBuffer uniforms_;
 
     // What the tables were made of; they are made anew when these change.
@@ -63,6 +72,8 @@ private:
     SeaTable sea_table_;
     BedMap bed_;
     int ripple_axis_ = 0;
+    RippleScroll scroll_;
+    SeaWeather weather_;
 
     PatchDirectory directory_;
     PassTimers timers_;

@@ -2,6 +2,12 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <regex>
+#include <sstream>
+
+#include "client/gpu/gl_health.hpp"
+#include "client/gpu/graphics_error.hpp"
 #include "client/gpu/shader_sources.hpp"
 #include "client/scene/sea_table.hpp"
 #include "protocol/units/assert.hpp"
@@ -30,6 +36,27 @@ std::string log_of(GLuint object, bool program) {
     return log;
 }
 
+/// The line that the driver's log names first ("0:123(4)", "0(123)", "ERROR: 0:123:"), of the text after the prelude.
+std::string line_named(const std::string& log, const std::string& text) {
+    static const std::regex number("0[:(]([0-9]+)");
+    std::smatch found;
+    if (!std::regex_search(log, found, number)) return {};
+    const int wanted = std::stoi(found[1].str().substr(0, 6));
+    std::istringstream lines(text.substr(std::min(text.find("#line 1\n"), text.size())));
+    std::string line;
+    for (int at = 0; at <= wanted; ++at)
+        if (!std::getline(lines, line)) return {};
+    return fmt::format(" (line {}, includes counted: \"{}\")", wanted, line);
+}
+
+[[noreturn]] void refuse_shader(std::string_view file, const std::string& log, const std::string& text) {
+    throw GraphicsError(fmt::format(
+        "The graphics driver does not take the shader {}{}.\nIt says: {}\nDriver: {}\nUpdate the driver, or draw without "
+        "the graphics device (LIBGL_ALWAYS_SOFTWARE=1 takes Mesa's software renderer); if a current driver says this, "
+        "report all of it.",
+        file, line_named(log, text), log.empty() ? "nothing" : log.substr(0, 2000), describe_gl()));
+}
+
 GLuint compile(std::string_view file, const std::string& prelude) {
     const auto source = shader_sources().find(file);
     TROCHOID_ASSERT(source != shader_sources().end(), "no shader {}", file);
@@ -40,7 +67,7 @@ GLuint compile(std::string_view file, const std::string& prelude) {
     glCompileShader(shader);
     GLint compiled = GL_FALSE;
     glGetShaderiv(shader, GL_COMPILE_STATUS, &compiled);
-    TROCHOID_ASSERT(compiled == GL_TRUE, "{}: {}", file, log_of(shader, false));
+    if (compiled != GL_TRUE) refuse_shader(file, log_of(shader, false), text);
     return shader;
 }
 
@@ -63,8 +90,12 @@ void set_units(GLuint program) {
     set("fft_displacement", fft_unit);
     set("fft_slope", fft_slope_unit);
     set("noise_lattice", noise_unit);
+    set("clear_sky", clear_sky_unit);
+    set("foam_detail", foam_detail_unit);
     const GLuint block = glGetUniformBlockIndex(program, "Frame");
     if (block != GL_INVALID_INDEX) glUniformBlockBinding(program, block, frame_binding);
+    const GLuint others = glGetUniformBlockIndex(program, "OtherSeas");
+    if (others != GL_INVALID_INDEX) glUniformBlockBinding(program, others, other_seas_binding);
 }
 
 }  // namespace
@@ -86,7 +117,7 @@ ShaderProgram::ShaderProgram(std::span<const std::string_view> stages, const Opt
     glLinkProgram(name_);
     GLint linked = GL_FALSE;
     glGetProgramiv(name_, GL_LINK_STATUS, &linked);
-    TROCHOID_ASSERT(linked == GL_TRUE, "{}: {}", stages.front(), log_of(name_, true));
+    if (linked != GL_TRUE) refuse_shader(stages.front(), log_of(name_, true), "");
     set_units(name_);
 }
 

@@ -14,8 +14,8 @@ struct ShaderProgramOptions {
     std::vector<const char*> captured_outputs;  ///< for transform feedback, interleaved
 };
 
-/// A linked program. Stages follow from the names' endings (.vert, .tesc, .tese, .geom, .frag); one that does not compile is
-/// our bug and asserts with the driver's words.
+/// A linked program. Stages follow from the names' endings (.vert, .tesc, .tese, .geom, .frag). Throws GraphicsError with the
+/// driver's words where it does not take one.
 class ShaderProgram {
 public:
     using Options = ShaderProgramOptions;
@@ -51,9 +51,12 @@ enum TextureUnit : GLint {
     fft_unit,        ///< fft_displacement
     fft_slope_unit,  ///< fft_slope
     noise_unit,      ///< noise_lattice
+    clear_sky_unit,  ///< clear_sky
+    foam_detail_unit,  ///< foam_detail
     first_own_unit   ///< from here on for a pass's own textures
 };
-/// Binding point of the Frame block.
+/// Binding points of the Frame and OtherSeas blocks.
 inline constexpr GLuint frame_binding = 0;
+inline constexpr GLuint other_seas_binding = 1;
 
 }  // namespace trochoid

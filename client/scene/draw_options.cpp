@@ -40,6 +40,14 @@ std::optional<MesherKind> mesher_named(std::string_view name) { return find(mesh
 std::optional<Displacement> displacement_named(std::string_view name) { return find(displacements, name); }
 std::optional<FarMethod> far_method_named(std::string_view name) { return find(far_methods, name); }
 std::optional<Refinement> refinement_named(std::string_view name) { return find(refinements, name); }
+std::string_view name_of(Quality quality) {
+    switch (quality) {
+        case Quality::low: return "low";
+        case Quality::medium: return "medium";
+        case Quality::high: break;
+    }
+    return "high";
+}
 std::string_view name_of(MesherKind kind) { return find(meshers, kind); }
 std::string_view name_of(Displacement displacement) { return find(displacements, displacement); }
 std::string_view name_of(FarMethod method) { return find(far_methods, method); }
@@ -68,6 +76,14 @@ DrawOptions options_for(Quality quality) {
             break;
     }
     return options;
+}
+
+void set_quality(DrawOptions& options, Quality quality) {
+    const DrawOptions from = options_for(quality);
+    options.error_px = from.error_px;
+    options.land_error_px = from.land_error_px;
+    options.samples = from.samples;
+    options.triangles_per_draw = from.triangles_per_draw;
 }
 
 DisplayFilter filter_of(const Camera& camera, const DrawOptions& options, float error_in_force_px) {

@@ -43,6 +43,7 @@ std::optional<MesherKind> mesher_named(std::string_view name);
 std::optional<Displacement> displacement_named(std::string_view name);
 std::optional<FarMethod> far_method_named(std::string_view name);
 std::optional<Refinement> refinement_named(std::string_view name);
+std::string_view name_of(Quality quality);
 std::string_view name_of(MesherKind kind);
 std::string_view name_of(Displacement displacement);
 std::string_view name_of(FarMethod method);
@@ -67,7 +68,8 @@ struct DrawOptions {
     bool sky = true;
     bool ships = true;
     bool spray = true;
-    bool foam_history = true;  ///< foam stays behind a breaking crest and fades
+    bool foam_history = true;  ///< foam stays behind a breaking crest and fades; without it there is no spray
+    uint32_t foam_map_side = 128;  ///< texels along the 256 m of remembered foam, a power of two, 64 to 1024
     MesherKind mesher = MesherKind::patches;
     Displacement displacement = Displacement::trains;
     FarMethod far_method = FarMethod::combined;
@@ -77,12 +79,19 @@ struct DrawOptions {
     float attention =
         1.0F;            ///< projected: rows go to the foreground (> 1) or the background (< 1), 0.25 to 4
     double hour = 16.5;  ///< local solar time of the light, 0 to 24
+    uint32_t projected_rows = 0;     ///< projected: quads along the water's height in the picture, 2 to 512; 0 = from error_px
+    uint32_t projected_columns = 0;  ///< projected: quads a row, 2 to 512; 0 = from error_px
+    uint32_t most_triangles = 2'000'000;  ///< coherent: beyond, the whole mesh is made coarser, at least 4096
+    bool coherent_land = false;  ///< land by the coherent mesher instead of tiles (row D9)
     std::array<float, 3> clear_colour{0.0F, 0.0F, 0.0F};
     bool operator==(const DrawOptions&) const = default;
 };
 
 /// low: 9 px; medium: 6 px, meant for software rendering; high: 2 px, four samples a pixel.
 DrawOptions options_for(Quality quality);
+
+/// Takes over what the quality decides (errors, samples, draws) and leaves the rest as it is.
+void set_quality(DrawOptions& options, Quality quality);
 
 /// How vertices are spaced: by the coarser of what we want and of what the server culls by (finer would show trains that
 /// it has left out in one patch and not in the next).

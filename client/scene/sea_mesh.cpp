@@ -50,8 +50,8 @@ std::vector<Candidate> visible(const InterestState& state, const SeaTable& table
 /// Two triangles for each cell, as the shader divides the quad's inside.
 uint32_t triangles_of(const SeaQuad& quad, const MeshEye& eye) {
     const int side = 1 << (quad.shape & 0xffU);
-    const int level = edge_level(eye, {quad.x, quad.z + side / 2}, true, side);
-    return static_cast<uint32_t>(2 * level * level);
+    return static_cast<uint32_t>(2 * edge_level(eye, {quad.x, quad.z + side / 2}, true, side) *
+                                 edge_level(eye, {quad.x + side / 2, quad.z}, false, side));
 }
 
 /// Which of a patch's coarser edges its quad (column, row) touches.

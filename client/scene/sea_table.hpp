@@ -7,6 +7,7 @@
 
 #include "client/scene/camera.hpp"
 #include "client/scene/land_table.hpp"
+#include "client/scene/sea_weather.hpp"
 #include "protocol/model/interest_state.hpp"
 #include "protocol/model/sea.hpp"
 #include "protocol/model/wave_train.hpp"
@@ -57,6 +58,9 @@ public:
     /// Where the slopes at a place come from: directions of travel (x east, z south), weighted by slope variance. Not a unit
     /// vector; 0 on still water.
     glm::vec2 heading_at(LatticePoint p, SeaTime now) const;
+
+    /// What the waves at a place say about its wind; Jacobians count the trains longer than `shortest_m`.
+    SeaWeather weather_at(LatticePoint p, SeaTime now, float shortest_m) const;
 
     size_t box_count() const { return boxes_.size(); }
     size_t train_count() const { return train_count_; }

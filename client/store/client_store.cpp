@@ -10,27 +10,63 @@ namespace {
 
 Error out_of_range(std::string sentence) { return {ErrorCode::value_out_of_range, std::move(sentence)}; }
 
-/// Land fields of an interest state; fields that were not touched keep their object. An error where the blocks of a field
-/// differ in their lattice step or lie too far apart to be looked up.
+/// Where the blocks of a field lie: its window of look-up slots.
+struct Outline {
+    uint8_t step_log2 = 0;
+    BlockKey first;
+    BlockKey last;
+
+    double slots() const {
+        return (static_cast<double>(last.x) - first.x + 1.0) * (static_cast<double>(last.z) - first.z + 1.0);
+    }
+};
+
+/// Of every field. An error where the blocks of a field differ in their lattice step, or where the fields' windows take more than
+/// `most_slots` together.
+Result<std::map<FieldId, Outline>> outlines_of(const InterestState& state, size_t most_slots) {
+    std::map<FieldId, Outline> outlines;
+    for (const auto& [key, value] : state.blocks) {
+        const auto [place, fresh] =
+            outlines.try_emplace(key.field, Outline{value.step_log2, key.block, key.block});
+        Outline& o = place->second;
+        if (o.step_log2 != value.step_log2)
+            return out_of_range(fmt::format("land field {} has two lattice steps", key.field.value));
+        o.first = {std::min(o.first.x, key.block.x), std::min(o.first.z, key.block.z)};
+        o.last = {std::max(o.last.x, key.block.x), std::max(o.last.z, key.block.z)};
+    }
+    double slots = 0.0;
+    for (const auto& [id, outline] : outlines) slots += outline.slots();
+    if (slots > static_cast<double>(most_slots))
+        return out_of_range(
+            fmt::format("{} land fields spread over {:.0f} look-up slots: this client holds {} at most",
+                        outlines.size(), slots, most_slots));
+    return outlines;
+}
+
+/// Land fields of an interest state; fields that were not touched keep their object. Nothing is made before all is known to fit:
+/// an error where outlines_of says so, or where the blocks of one field lie too far apart to be looked up.
 Result<std::map<FieldId, std::shared_ptr<const LandField>>> fields_of(
     const InterestState& state, const std::set<FieldId>& touched,
-    const std::map<FieldId, std::shared_ptr<const LandField>>& old) {
+    const std::map<FieldId, std::shared_ptr<const LandField>>& old, size_t most_slots) {
+    const auto outlines = outlines_of(state, most_slots);
+    if (!outlines) return outlines.error();
     std::map<FieldId, std::shared_ptr<LandField>> fresh;
     std::map<FieldId, std::shared_ptr<const LandField>> all;
-    for (const auto& [key, value] : state.blocks) {
-        const auto kept = old.find(key.field);
-        if (kept != old.end() && !touched.contains(key.field)) {
-            all.emplace(key.field, kept->second);
+    for (const auto& [id, outline] : *outlines) {
+        const auto kept = old.find(id);
+        if (kept != old.end() && !touched.contains(id)) {
+            all.emplace(id, kept->second);
             continue;
         }
-        auto& field = fresh[key.field];
-        if (!field) field = std::make_shared<LandField>(key.field, value.step_log2);
-        if (field->step_log2() != value.step_log2)
-            return out_of_range(fmt::format("land field {} has two lattice steps", key.field.value));
-        if (!field->fits(key.block))
-            return out_of_range(fmt::format("land field {} spreads its blocks too far", key.field.value));
-        field->set(value.block);
+        auto field = std::make_shared<LandField>(id, outline.step_log2);
+        field->make_room(outline.first, outline.first);
+        if (!field->fits(outline.last))
+            return out_of_range(fmt::format("land field {} spreads its blocks too far", id.value));
+        field->make_room(outline.first, outline.last);
+        fresh.emplace(id, std::move(field));
     }
+    for (const auto& [key, value] : state.blocks)
+        if (const auto field = fresh.find(key.field); field != fresh.end()) field->second->set(value.block);
     for (auto& [id, field] : fresh) all[id] = std::move(field);
     return all;
 }
@@ -167,6 +203,7 @@ Result<std::optional<Ack>> ClientStore::apply(const Delta& delta) {
     for (const FieldBlock& block : delta.change.blocks) touched_fields_.insert(block.field);
     for (const FieldBlockKey& block : delta.change.removed_blocks) touched_fields_.insert(block.field);
     trochoid::apply(state_, delta.change);
+    if (auto ok = within_limits(delta.last); !ok) return ok.error();
     if (!delta.last) return std::optional<Ack>{};
     state_hash_ = hash_of(state_);
     if (state_hash_ != delta.state_hash) return ask_resync(delta.result);
@@ -174,15 +211,24 @@ Result<std::optional<Ack>> ClientStore::apply(const Delta& delta) {
     return std::optional<Ack>(Ack{delta.result, state_hash_, 0, {}});
 }
 
-Result<Done> ClientStore::finish_result(const Delta& last_piece) {
-    if (state_.boxes.size() > hello_->limits.boxes)
+/// Between its pieces a result may hold what goes beside what comes: twice as much.
+Result<Done> ClientStore::within_limits(bool whole) const {
+    const size_t times = whole ? 1 : 2;
+    if (state_.boxes.size() > times * hello_->limits.boxes)
         return Error{ErrorCode::too_many_boxes,
                      fmt::format("{} boxes, more than the server's own limit of {}", state_.boxes.size(),
                                  hello_->limits.boxes)};
-    if (state_.patches.size() > hello_->limits.patches)
+    if (state_.patches.size() > times * hello_->limits.patches)
         return out_of_range(fmt::format("{} patches, more than the server's own limit of {}",
                                         state_.patches.size(), hello_->limits.patches));
-    auto fields = fields_of(state_, touched_fields_, fields_);
+    if (state_.blocks.size() > times * limits_.land_blocks)
+        return out_of_range(fmt::format("{} land blocks: this client holds {} at most", state_.blocks.size(),
+                                        limits_.land_blocks));
+    return Done{};
+}
+
+Result<Done> ClientStore::finish_result(const Delta& last_piece) {
+    auto fields = fields_of(state_, touched_fields_, fields_, limits_.land_slots);
     if (!fields) return fields.error();
     for (const auto& [id, box] : state_.boxes)
         if (auto fit = overlays_fit(*box, *fields); !fit) return fit.error();

@@ -6,6 +6,7 @@
 #include <set>
 #include <vector>
 
+#include "client/store/store_limits.hpp"
 #include "protocol/codec/messages.hpp"
 #include "protocol/model/interest_state.hpp"
 #include "protocol/model/sea.hpp"
@@ -51,6 +52,8 @@ struct StoreCounters {
 /// end; the last snapshot stays good.
 class ClientStore {
 public:
+    explicit ClientStore(StoreLimits limits = {}) : limits_(limits) {}
+
     /// A new session. Everything is dropped when the world instance has changed, and kept (until the first snapshot
     /// replaces it) when it is the same.
     void begin(const ServerHello& hello);
@@ -74,10 +77,12 @@ private:
     Result<Done> take_turn(const Delta& piece);
     bool builds_on_ours(const Delta& first_piece);
     std::optional<Ack> ask_resync(uint32_t result);
+    Result<Done> within_limits(bool whole) const;
     Result<Done> finish_result(const Delta& last_piece);
     PreparedBoxes prepare_boxes(const Fields& fields) const;
     void count_late_events(const CullKey& key);
 
+    StoreLimits limits_;
     std::optional<ServerHello> hello_;
     InterestState state_;
     uint64_t state_hash_ = 0;  // of state_ after the last whole result

@@ -65,23 +65,33 @@ bool LandField::fits(BlockKey key) const {
     return w.columns <= largest_window && w.rows <= largest_window && w.columns * w.rows <= largest_window;
 }
 
+void LandField::grow_to(const Window& w) {
+    TROCHOID_ASSERT(w.columns * w.rows <= largest_window, "land field window {} x {} blocks", w.columns,
+                    w.rows);
+    auto slots = std::make_shared<Slots>(static_cast<size_t>(w.columns * w.rows));
+    if (slots_)
+        for (const auto& old : *slots_)
+            if (old)
+                (*slots)[static_cast<size_t>((int64_t{old->key.z} - w.first.z) * w.columns +
+                                             (int64_t{old->key.x} - w.first.x))] = old;
+    slots_ = std::move(slots);
+    first_ = w.first;
+    columns_ = static_cast<int32_t>(w.columns);
+    rows_ = static_cast<int32_t>(w.rows);
+}
+
+void LandField::make_room(BlockKey first, BlockKey last) {
+    for (const BlockKey& key : {first, last}) {
+        const Window w = window_with(key);
+        if (w.first != first_ || w.columns != columns_ || w.rows != rows_) grow_to(w);
+    }
+}
+
 void LandField::set(std::shared_ptr<const LandBlock> block) {
     const BlockKey key = block->key;
-    const Window w = window_with(key);
-    if (w.first != first_ || w.columns != columns_ || w.rows != rows_) {
-        TROCHOID_ASSERT(w.columns * w.rows <= largest_window, "land field window {} x {} blocks", w.columns,
-                        w.rows);
-        std::vector<std::shared_ptr<const LandBlock>> slots(static_cast<size_t>(w.columns * w.rows));
-        for (auto& old : slots_)
-            if (old)
-                slots[static_cast<size_t>((int64_t{old->key.z} - w.first.z) * w.columns +
-                                          (int64_t{old->key.x} - w.first.x))] = old;
-        slots_ = std::move(slots);
-        first_ = w.first;
-        columns_ = static_cast<int32_t>(w.columns);
-        rows_ = static_cast<int32_t>(w.rows);
-    }
-    auto& slot = slots_[slot_of(key)];
+    make_room(key, key);
+    if (slots_.use_count() > 1) slots_ = std::make_shared<Slots>(*slots_);
+    auto& slot = (*slots_)[slot_of(key)];
     if (!slot) ++count_;
     slot = std::move(block);
 }
@@ -97,7 +107,7 @@ const std::shared_ptr<const LandBlock>* LandField::own_slot(BlockKey key) const 
     if (key.x < first_.x || key.z < first_.z || int64_t{key.x} - first_.x >= columns_ ||
         int64_t{key.z} - first_.z >= rows_)
         return nullptr;
-    const auto& slot = slots_[slot_of(key)];
+    const auto& slot = (*slots_)[slot_of(key)];
     return slot ? &slot : nullptr;
 }
 
@@ -116,7 +126,8 @@ std::shared_ptr<const LandBlock> LandField::share(BlockKey key) const {
 std::vector<std::shared_ptr<const LandBlock>> LandField::blocks() const {
     std::vector<std::shared_ptr<const LandBlock>> all;
     all.reserve(count_);
-    for (const auto& slot : slots_)
+    if (!slots_) return all;
+    for (const auto& slot : *slots_)
         if (slot) all.push_back(slot);
     return all;
 }

@@ -63,7 +63,8 @@ struct LandSample {
 };
 
 /// A field on a global node lattice (model: "Land"; rows A5, A7): phase shift and gain per node for one band of one box.
-/// A point without a block reads shift 0 and gain 1. Blocks are immutable and shared; copying a field copies pointers.
+/// A point without a block reads shift 0 and gain 1. Blocks are immutable and shared. A copy shares the window of look-up slots until
+/// one of the two sets a block; whoever else reads a field or copies it, only its maker sets.
 class LandField {
 public:
     LandField() = default;
@@ -74,6 +75,11 @@ public:
     uint8_t step_log2() const { return step_log2_; }
     /// Whether a block there keeps the field's window of look-up slots within its limit (a peer may send anything).
     bool fits(BlockKey key) const;
+    /// Makes room for blocks from `first` to `last` (inclusive, both have to fit), so that setting them does not grow the window again
+    /// and again.
+    void make_room(BlockKey first, BlockKey last);
+    /// Look-up slots of the window, 16 bytes each.
+    size_t slot_count() const { return static_cast<size_t>(columns_) * static_cast<size_t>(rows_); }
     /// Adds or replaces the block, which must fit.
     void set(std::shared_ptr<const LandBlock> block);
     /// The field that counts where this one has no block (WaveTrainBox::overlays); same step. nullptr: open water.
@@ -95,7 +101,9 @@ private:
         int64_t columns = 0;
         int64_t rows = 0;
     };
+    using Slots = std::vector<std::shared_ptr<const LandBlock>>;
     Window window_with(BlockKey key) const;
+    void grow_to(const Window& window);
     size_t slot_of(BlockKey key) const;
     const std::shared_ptr<const LandBlock>* own_slot(BlockKey key) const;
 
@@ -107,7 +115,7 @@ private:
     int32_t rows_ = 0;
     size_t count_ = 0;
     std::shared_ptr<const LandField> base_;
-    std::vector<std::shared_ptr<const LandBlock>> slots_;
+    std::shared_ptr<Slots> slots_;  // shared with copies; null while the window is empty
 };
 
 /// Blocks of a field whose cells touch the rectangle: [first, last] inclusive in both axes.

@@ -65,28 +65,39 @@ TracedLand LandWorker::trace_now(const WaveTrainBox& box, FieldId first_field, c
 }
 
 Result<ChangedLand> LandWorker::change_now(const WorldState& world, const ChangeLand& change,
-                                           std::span<const BoxId> boxes, const TerrainChoice& choice) const {
+                                           std::span<const BoxId> boxes, const TerrainChoice& choice,
+                                           const InterestIndex* index) const {
     const int64_t begun_us = monotonic_us();
     auto outcome = change_land(world, change, boxes, settings_);
     if (!outcome) return outcome.error();
-    ChangedLand changed{std::move(outcome).value(), 0, nullptr};
+    ChangedLand changed{std::move(outcome).value(), 0, nullptr, {}};
     const TerrainEdit& edit = changed.outcome.edit;
     changed.terrain_hash = terrain_hash(*edit.terrain);
     changed.choice = std::make_shared<const TerrainChoice>(choice, edit.terrain, edit.touched);
+    changed.indexed.terrain = std::make_shared<const TerrainMinima>(edit.terrain);
     size_t blocks = 0;
     for (const Retraced& next : changed.outcome.touched)
-        for (const auto& field : next.land.fields) blocks += field->block_count();
+        for (const auto& field : next.land.fields) {
+            blocks += field->block_count();
+            changed.indexed.fields.push_back(
+                index_blocks(field, index == nullptr ? nullptr : index->find(next.box)));
+        }
     spdlog::info("changed {} samples of the terrain; of {} boxes {} are touched: {} blocks in {} ms",
                  edit.samples, boxes.size(), changed.outcome.touched.size(), blocks,
                  (monotonic_us() - begun_us) / 1000);
     return changed;
 }
 
-void LandWorker::trace(WaveTrainBox box, FieldId first_field, std::function<void(TracedLand)> done) {
+void LandWorker::trace(WaveTrainBox box, FieldId first_field,
+                       std::function<void(TracedLand, IndexedLand)> done) {
     loop_.assert_here();
     ask([this, box = std::move(box), first_field, ground = ground_, done = std::move(done)] {
         TracedLand land = trace_now(box, first_field, ground);
-        loop_.post([done, land = std::move(land)]() mutable { done(std::move(land)); });
+        IndexedLand indexed;
+        for (const auto& field : land.fields) indexed.fields.push_back(index_blocks(field, nullptr));
+        loop_.post([done, land = std::move(land), indexed = std::move(indexed)]() mutable {
+            done(std::move(land), std::move(indexed));
+        });
     });
 }
 
@@ -98,11 +109,12 @@ TracedLand LandWorker::trace_and_wait(const WaveTrainBox& box, FieldId first_fie
 
 void LandWorker::change(std::shared_ptr<const WorldState> world, ChangeLand change, std::vector<BoxId> boxes,
                         std::shared_ptr<const TerrainChoice> choice,
+                        std::shared_ptr<const InterestIndex> index,
                         std::function<void(Result<ChangedLand>)> done) {
     loop_.assert_here();
     ask([this, world = std::move(world), change = std::move(change), boxes = std::move(boxes),
-         choice = std::move(choice), done = std::move(done)] {
-        auto changed = change_now(*world, change, boxes, *choice);
+         choice = std::move(choice), index = std::move(index), done = std::move(done)] {
+        auto changed = change_now(*world, change, boxes, *choice, index.get());
         loop_.post([done, changed = std::move(changed)]() mutable { done(std::move(changed)); });
     });
 }
@@ -111,7 +123,7 @@ Result<ChangedLand> LandWorker::change_and_wait(std::shared_ptr<const WorldState
                                                 const ChangeLand& change, std::vector<BoxId> boxes,
                                                 std::shared_ptr<const TerrainChoice> choice) {
     std::promise<Result<ChangedLand>> changed;
-    ask([&] { changed.set_value(change_now(*world, change, boxes, *choice)); });
+    ask([&] { changed.set_value(change_now(*world, change, boxes, *choice, nullptr)); });
     return changed.get_future().get();
 }
 

@@ -12,6 +12,7 @@
 #include "protocol/model/terrain.hpp"
 #include "server/app/land_change.hpp"
 #include "server/app/terrain_choice.hpp"
+#include "server/interest/interest_index.hpp"
 #include "server/land/land_cache.hpp"
 #include "server/net/io_loop.hpp"
 
@@ -22,10 +23,11 @@ struct ChangedLand {
     LandOutcome outcome;
     uint64_t terrain_hash = 0;
     std::shared_ptr<const TerrainChoice> choice;
+    IndexedLand indexed;  ///< terrain and fields, for culls
 };
 
-/// Traces the land of new boxes, and of all that a change of the land can reach, on a thread of its own, so that the io thread goes on meanwhile. Destruction waits for the
-/// trace in progress and drops the others.
+/// Traces the land of new boxes, and of all that a change of the land can reach, and indexes it for culls, on a thread of its own, so
+/// that the io thread goes on meanwhile. Destruction waits for the trace in progress and drops the others.
 class LandWorker {
 public:
     /// Without terrain every trace is open water at once.
@@ -35,12 +37,13 @@ public:
     ~LandWorker();
 
     /// Calls back on the io thread, in order of asking.
-    void trace(WaveTrainBox box, FieldId first_field, std::function<void(TracedLand)> done);
+    void trace(WaveTrainBox box, FieldId first_field, std::function<void(TracedLand, IndexedLand)> done);
     /// For the time before the loop runs.
     TracedLand trace_and_wait(const WaveTrainBox& box, FieldId first_field);
-    /// Edits the terrain and traces these boxes again. Calls back on the io thread, in order of asking.
+    /// Edits the terrain and traces these boxes again; `index` is the one of `world`. Calls back on the io thread, in order of asking.
     void change(std::shared_ptr<const WorldState> world, ChangeLand change, std::vector<BoxId> boxes,
-                std::shared_ptr<const TerrainChoice> choice, std::function<void(Result<ChangedLand>)> done);
+                std::shared_ptr<const TerrainChoice> choice, std::shared_ptr<const InterestIndex> index,
+                std::function<void(Result<ChangedLand>)> done);
     Result<ChangedLand> change_and_wait(std::shared_ptr<const WorldState> world, const ChangeLand& change,
                                         std::vector<BoxId> boxes,
                                         std::shared_ptr<const TerrainChoice> choice);
@@ -58,7 +61,8 @@ private:
     void ask(std::function<void()> job);
     TracedLand trace_now(const WaveTrainBox& box, FieldId first_field, const Ground& ground);
     Result<ChangedLand> change_now(const WorldState& world, const ChangeLand& change,
-                                   std::span<const BoxId> boxes, const TerrainChoice& choice) const;
+                                   std::span<const BoxId> boxes, const TerrainChoice& choice,
+                                   const InterestIndex* index) const;
 
     IoLoop& loop_;
     Ground ground_;  // the io thread's

@@ -45,8 +45,6 @@ CommandReply refusal(const Command& command, const Error& error) {
         fmt::format("the scene's {} cannot be: {}; correct the scene file", what, error.message));
 }
 
-std::string text_of(SeaTime t) { return fmt::format("{:.3f} s", static_cast<double>(t.us) * 1e-6); }
-
 }  // namespace
 
 SeaAuthority::SeaAuthority(IoLoop& loop, World& world, EventLog& log, LandWorker& worker, uint32_t lead_ms)
@@ -81,10 +79,8 @@ void SeaAuthority::open_box(const std::string& name, const Result<BoxStarted>& p
     Derived derived;
     derived.lands.push_back(worker_.trace_and_wait(planned->box, {world_.state()->next_field}));
     BoxStarted started = world_.fit_to_land(*planned, derived.lands.front());
-    LogEvent event;
-    event.effective = started.box.begin;
-    event.what = std::move(started);
-    append(std::move(event), std::move(derived));
+    const SeaTime begin = started.box.begin;
+    append(single({0, begin, std::move(started)}, std::move(derived)));
 }
 
 void SeaAuthority::open_breakwaters(const Scene& scene) {
@@ -94,12 +90,23 @@ void SeaAuthority::open_breakwaters(const Scene& scene) {
         if (!changed) refuse_scene(name, changed.error());
         auto planned = world_.plan(scene.breakwaters[i], scene.clock_start, {});
         if (!planned) refuse_scene(name, planned.error());
-        LogEvent event;
-        event.effective = scene.clock_start;
-        event.what = std::move(planned).value();
-        append(std::move(event), derived_from(changed->outcome));
+        append(single({0, scene.clock_start, std::move(planned).value()}, derived_from(changed->outcome)));
         take_land(*changed);
     }
+}
+
+std::vector<SeaAuthority::Planned> SeaAuthority::single(LogEvent event, Derived derived) {
+    std::vector<Planned> planned(1);
+    planned.front().event = std::move(event);
+    planned.front().derived = std::move(derived);
+    return planned;
+}
+
+// Neither moving winds nor wakes have land to be traced for it.
+std::vector<SeaAuthority::Planned> SeaAuthority::planned_of(const Steering& steering) {
+    std::vector<Planned> planned;
+    for (const auto& what : steering.events) planned.push_back({{0, steering.effective, what}, {}});
+    return planned;
 }
 
 void SeaAuthority::open_ship(const SceneShip& ship) {
@@ -110,7 +117,7 @@ void SeaAuthority::open_ship(const SceneShip& ship) {
             Steer{box, static_cast<float>(leg.towards_degrees), static_cast<float>(leg.speed)}, leg.at);
         if (!steering)
             refuse_scene(fmt::format("'{}' from {} on", ship.ship.name, text_of(leg.at)), steering.error());
-        for (auto& what : steering->events) append({0, steering->effective, std::move(what)}, {});
+        append(planned_of(*steering));
         box = steering->box;
     }
 }
@@ -178,7 +185,8 @@ void SeaAuthority::execute(const StartWind& asked, const Waiting& waiting) {
 void SeaAuthority::trace_then_start(const BoxStarted& planned, StartWind wind, Waiting waiting, int attempt) {
     const uint64_t traced = worker_.key_of(planned.box);
     worker_.trace(planned.box, {state_->next_field},
-                  [this, traced, wind, attempt, waiting = std::move(waiting)](TracedLand land) mutable {
+                  [this, traced, wind, attempt, waiting = std::move(waiting)](TracedLand land,
+                                                                              IndexedLand indexed) mutable {
                       const Result<SeaTime> effective = stamp(waiting.command);
                       if (!effective) return finish_refused(waiting, effective.error());
                       Result<BoxStarted> now_planned = world_.plan(wind, *effective);
@@ -191,6 +199,7 @@ void SeaAuthority::trace_then_start(const BoxStarted& planned, StartWind wind, W
                       const BoxId id = fitted.box.id;
                       started.event.what = std::move(fitted);
                       started.derived.lands.push_back(std::move(land));
+                      indexed_ = std::move(indexed);
                       finish(waiting, commit(waiting.command, {std::move(started)}, id));
                   });
 }
@@ -219,16 +228,14 @@ void SeaAuthority::execute(const Steer& steer, const Waiting& waiting) {
     if (!effective) return finish_refused(waiting, effective.error());
     Result<Steering> steering = world_.plan(steer, *effective);
     if (!steering) return finish_refused(waiting, steering.error());
-    std::vector<Planned> planned;
-    for (auto& what : steering->events) planned.push_back({{0, steering->effective, std::move(what)}, {}});
-    finish(waiting, commit(waiting.command, std::move(planned), steering->box));
+    finish(waiting, commit(waiting.command, planned_of(*steering), steering->box));
 }
 
 void SeaAuthority::execute(const ChangeLand& change, const Waiting& waiting) {
     const Result<SeaTime> expected = stamp_land(waiting.command);
     if (!expected) return finish_refused(waiting, expected.error());
     const std::vector<BoxId> boxes = world_.on_land_at(*expected);
-    worker_.change(state_, change, boxes, choice_,
+    worker_.change(state_, change, boxes, choice_, index_,
                    [this, boxes, change, waiting](const Result<ChangedLand>& changed) {
                        if (!changed) return finish_refused(waiting, changed.error());
                        change_land_with(*changed, boxes, change, waiting);
@@ -264,7 +271,7 @@ CommandReply SeaAuthority::commit(const Command& command, std::vector<Planned> p
     reply.sequence = command.sequence;
     reply.effective = planned.front().event.effective;
     reply.box = box;
-    for (Planned& next : planned) append(std::move(next.event), std::move(next.derived));
+    append(std::move(planned));
     publish();
     reply.log_position = state_->log_position;
     reply.message = fmt::format("takes hold at sea time {}", text_of(reply.effective));
@@ -273,26 +280,32 @@ CommandReply SeaAuthority::commit(const Command& command, std::vector<Planned> p
     return reply;
 }
 
-// The event becomes bytes, the bytes become log, the log becomes the world's new state.
-void SeaAuthority::append(LogEvent event, Derived derived) {
-    event.event_id = next_event_++;
-    const Bytes bytes = encode(event);
-    const AppendResult result = log_.append(world_.state()->log_position, event.event_id, bytes);
+// Events become bytes, the bytes become log, the log becomes the world's new state. The log takes all of them or none, so a journal
+// that is cut short never holds a ship that has ended her course without the next one.
+void SeaAuthority::append(std::vector<Planned> planned) {
+    std::vector<NewEvent> batch;
+    for (Planned& next : planned) {
+        next.event.event_id = next_event_++;
+        batch.push_back({next.event.event_id, encode(next.event)});
+    }
+    const AppendResult result = log_.append(world_.state()->log_position, batch);
     TROCHOID_ASSERT(std::holds_alternative<Appended>(result),
-                    "this process alone writes its log, yet event {} met outcome {}", event.event_id,
+                    "this process alone writes its log, yet event {} met outcome {}", batch.front().id,
                     result.index());
-    world_.apply(event, bytes, std::move(derived));
+    for (size_t i = 0; i < planned.size(); ++i)
+        world_.apply(planned[i].event, batch[i].bytes, std::move(planned[i].derived));
 }
 
 void SeaAuthority::take_land(const ChangedLand& changed) {
     choice_ = changed.choice;
+    indexed_ = changed.indexed;
     worker_.take_terrain(changed.outcome.edit.terrain, changed.terrain_hash);
 }
 
 // All events of a command at once: readers see none or all of them.
 void SeaAuthority::publish() {
     state_ = world_.state();
-    index_ = std::make_shared<const InterestIndex>(*state_, index_.get());
+    index_ = std::make_shared<const InterestIndex>(*state_, index_.get(), std::exchange(indexed_, {}));
     if (changed_) changed_();
 }
 

@@ -18,7 +18,7 @@ namespace trochoid {
 
 /// Owns the world, the event log and the clock. A command goes: accept → plan → trace the land of a new box, or of all boxes on
 /// changed land (on the worker) → stamp → append → apply → publish → reply; one after the other, so that each is planned
-/// on what it changes. Where a command makes several events (a ship's new course), they are published together.
+/// on what it changes. Where a command makes several events (a ship's new course), they are logged and published together.
 /// Lives on the io thread.
 class SeaAuthority {
 public:
@@ -72,7 +72,9 @@ private:
     Result<SeaTime> stamp(const Command& command);
     Result<SeaTime> stamp_land(const Command& command);
     CommandReply commit(const Command& command, std::vector<Planned> planned, BoxId box);
-    void append(LogEvent event, Derived derived);
+    void append(std::vector<Planned> planned);
+    static std::vector<Planned> single(LogEvent event, Derived derived);
+    static std::vector<Planned> planned_of(const Steering& steering);
     void take_land(const ChangedLand& changed);
     void publish();
     void finish(const Waiting& waiting, CommandReply reply);
@@ -86,6 +88,7 @@ private:
     std::shared_ptr<const WorldState> state_;
     std::shared_ptr<const InterestIndex> index_;
     std::shared_ptr<const TerrainChoice> choice_;
+    IndexedLand indexed_;  // for the next index
     std::function<void()> changed_;
     std::deque<Waiting> waiting_;
     bool busy_ = false;

@@ -17,12 +17,16 @@ TerrainChoice::TerrainChoice(std::shared_ptr<const TerrainGrid> grid) : grid_(st
 
 TerrainChoice::TerrainChoice(const TerrainChoice& before, std::shared_ptr<const TerrainGrid> grid,
                              const LatticeRect& touched)
-    : grid_(std::move(grid)), errors_(before.errors_), changes_(before.changes_) {
-    changes_.push_back(touched);
-    for (uint32_t level = 1; level < tile_levels(*grid_); ++level)
-        for (const TerrainTileKey& key : tiles_at_level(*grid_, level))
-            if (overlap(rect_of(key), touched))
-                errors_[{key.level, key.x, key.z}] = to_metres(tile_geometric_error(*grid_, key));
+    : grid_(std::move(grid)),
+      errors_(before.errors_),
+      revisions_(before.revisions_),
+      changes_(before.changes_ + 1) {
+    for (uint32_t level = 0; level < tile_levels(*grid_); ++level)
+        for (const TerrainTileKey& key : tiles_at_level(*grid_, level)) {
+            if (!overlap(rect_of(key), touched)) continue;
+            revisions_[{key.level, key.x, key.z}] = changes_;
+            if (level > 0) errors_[{key.level, key.x, key.z}] = to_metres(tile_geometric_error(*grid_, key));
+        }
 }
 
 LatticeRect TerrainChoice::rect_of(TerrainTileKey key) const {
@@ -32,9 +36,8 @@ LatticeRect TerrainChoice::rect_of(TerrainTileKey key) const {
 }
 
 uint32_t TerrainChoice::revision(TerrainTileKey key) const {
-    for (size_t i = changes_.size(); i > 0; --i)
-        if (overlap(rect_of(key), changes_[i - 1])) return static_cast<uint32_t>(i);
-    return 0;
+    const auto place = revisions_.find({key.level, key.x, key.z});
+    return place == revisions_.end() ? 0 : place->second;
 }
 
 double TerrainChoice::error_metres(TerrainTileKey key) const {

@@ -37,7 +37,9 @@ private:
 
     std::shared_ptr<const TerrainGrid> grid_;
     std::map<std::tuple<uint8_t, int32_t, int32_t>, double> errors_;  // m; levels above 0
-    std::vector<LatticeRect> changes_;
+    // Of tiles that a change has touched, all levels: as many as there are tiles at most, however often the land changes.
+    std::map<std::tuple<uint8_t, int32_t, int32_t>, uint32_t> revisions_;
+    uint32_t changes_ = 0;
 };
 
 }  // namespace trochoid

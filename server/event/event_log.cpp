@@ -11,17 +11,25 @@ uint64_t chain_hash(uint64_t previous, std::span<const uint8_t> bytes) {
     return Hash64{}.u64(previous).u64(bytes.size()).bytes(bytes).value();
 }
 
-AppendResult InMemoryEventLog::append(LogPosition expected, uint64_t event_id,
-                                      std::span<const uint8_t> bytes) {
-    TROCHOID_ASSERT(event_id != 0, "an event without an id at position {}", expected.value);
-    if (const auto known = place_of_id_.find(event_id); known != place_of_id_.end()) {
-        const StoredEvent& event = events_[known->second];
-        return Appended{event.position, event.log_hash};
-    }
+AppendResult EventLog::append(LogPosition expected, uint64_t event_id, std::span<const uint8_t> bytes) {
+    const NewEvent event{event_id, Bytes(bytes.begin(), bytes.end())};
+    return append(expected, std::span(&event, 1));
+}
+
+AppendResult InMemoryEventLog::append(LogPosition expected, std::span<const NewEvent> events) {
+    TROCHOID_ASSERT(!events.empty(), "nothing to append at position {}", expected.value);
+    if (const auto known = place_of_id_.find(events.front().id); known != place_of_id_.end())
+        return Appended{events_[known->second.first].position, events_[known->second.last].log_hash};
     if (expected.value != events_.size()) return Conflict{LogPosition{events_.size()}};
-    const uint64_t previous = events_.empty() ? empty_log_hash : events_.back().log_hash;
-    place_of_id_.emplace(event_id, events_.size());
-    events_.push_back({expected, event_id, chain_hash(previous, bytes), Bytes(bytes.begin(), bytes.end())});
+    const size_t last = events_.size() + events.size() - 1;
+    for (const NewEvent& event : events) {
+        TROCHOID_ASSERT(event.id != 0, "an event without an id at position {}", events_.size());
+        const bool fresh = place_of_id_.emplace(event.id, Place{events_.size(), last}).second;
+        TROCHOID_ASSERT(fresh, "event {} a second time, beside others", event.id);
+        const uint64_t previous = events_.empty() ? empty_log_hash : events_.back().log_hash;
+        events_.push_back(
+            {LogPosition{events_.size()}, event.id, chain_hash(previous, event.bytes), event.bytes});
+    }
     return Appended{expected, events_.back().log_hash};
 }
 

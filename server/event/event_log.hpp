@@ -11,10 +11,10 @@
 
 namespace trochoid {
 
-/// The event is in the log and stays there.
+/// The events are in the log and stay there.
 struct Appended {
-    LogPosition position;   ///< of the event: the number of events before it
-    uint64_t log_hash = 0;  ///< rolling hash of the log up to and with it
+    LogPosition position;   ///< of the first of them: the number of events before it
+    uint64_t log_hash = 0;  ///< rolling hash of the log up to and with the last of them
     bool operator==(const Appended&) const = default;
 };
 
@@ -30,6 +30,13 @@ struct Unknown {
 };
 
 using AppendResult = std::variant<Appended, Conflict, Unknown>;
+
+/// An event that is to be appended.
+struct NewEvent {
+    uint64_t id = 0;  ///< above 0, never used for another one
+    Bytes bytes;
+    bool operator==(const NewEvent&) const = default;
+};
 
 /// An event as the log holds it.
 struct StoredEvent {
@@ -56,9 +63,12 @@ public:
     EventLog& operator=(const EventLog&) = delete;
     virtual ~EventLog() = default;
 
-    /// Adds an event where the log holds exactly `expected` events. An id that the log already holds adds nothing and
-    /// answers with its position, whatever was expected and whatever the bytes. Ids are above 0.
-    virtual AppendResult append(LogPosition expected, uint64_t event_id, std::span<const uint8_t> bytes) = 0;
+    /// Adds events, at least one, where the log holds exactly `expected` events: all of them or, whatever breaks meanwhile, none; a
+    /// journal writes them as one record. A first id that the log already holds adds nothing and answers with its position,
+    /// whatever was expected and whatever the bytes: the events that went with it are there too. Ids are above 0.
+    virtual AppendResult append(LogPosition expected, std::span<const NewEvent> events) = 0;
+    /// The same for one event.
+    AppendResult append(LogPosition expected, uint64_t event_id, std::span<const uint8_t> bytes);
 
     /// Events from a position onwards, in order, at most `limit`; fewer only where the log ends.
     virtual std::vector<StoredEvent> read(LogPosition from, size_t limit) const = 0;
@@ -67,12 +77,17 @@ public:
 /// An event log that lives as long as its process.
 class InMemoryEventLog final : public EventLog {
 public:
-    AppendResult append(LogPosition expected, uint64_t event_id, std::span<const uint8_t> bytes) override;
+    using EventLog::append;
+    AppendResult append(LogPosition expected, std::span<const NewEvent> events) override;
     std::vector<StoredEvent> read(LogPosition from, size_t limit) const override;
 
 private:
     std::vector<StoredEvent> events_;
-    std::map<uint64_t, size_t> place_of_id_;
+    struct Place {
+        size_t first = 0;
+        size_t last = 0;  ///< of those appended with it
+    };
+    std::map<uint64_t, Place> place_of_id_;
 };
 
 }  // namespace trochoid

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <map>
+#include <utility>
 
 #include "protocol/model/arithmetic_rules.hpp"
 
@@ -66,36 +67,37 @@ double turn_of(const WaveTrainBox& box, const TrainConstants& t) {
     return rounding_cover * std::sqrt(1.0 + c * c + 2.0 * c * (across < 0.0 ? -across : across));
 }
 
-IndexedField index_field(const LandField& field) {
-    IndexedField out;
-    out.id = field.id();
-    out.step_log2 = field.step_log2();
-    // The uppermost field that has a block there counts.
-    std::map<BlockKey, FieldBlock> counts;
-    for (const LandField* layer = &field; layer != nullptr; layer = layer->base().get())
-        for (auto& block : layer->blocks()) {
-            const BlockKey key = block->key;
-            counts.try_emplace(key, FieldBlock{layer->id(), field.step_log2(), std::move(block), 0});
+/// The blocks of this very field, or nullptr.
+std::shared_ptr<const IndexedBlocks> blocks_of(const IndexedBox* box, const LandField* field) {
+    if (box == nullptr) return nullptr;
+    const auto same = [&](const IndexedField& known) { return known.land->field.get() == field; };
+    const auto known = std::find_if(box->fields.begin(), box->fields.end(), same);
+    return known == box->fields.end() ? nullptr : known->land;
+}
+
+/// What counts at a place of the lattice.
+struct Counting {
+    FieldBlock block;
+    BlockBounds bounds;
+};
+
+/// The uppermost field that has a block there counts; `below` holds what counts under the field's own blocks (nullptr: all is
+/// looked at).
+std::map<BlockKey, Counting> counting_blocks(const LandField& field, const IndexedBlocks* below) {
+    std::map<BlockKey, Counting> counts;
+    for (const LandField* layer = &field; layer != nullptr; layer = layer->base().get()) {
+        if (below != nullptr && below->field.get() == layer) {
+            for (size_t i = 0; i < below->blocks.size(); ++i)
+                counts.try_emplace(below->blocks[i].block->key, Counting{below->blocks[i], below->bounds[i]});
+            break;
         }
-    if (counts.empty()) return out;
-    BlockKey last;
-    out.first = last = counts.begin()->first;
-    for (auto& [key, block] : counts) {
-        out.first = {std::min(out.first.x, key.x), std::min(out.first.z, key.z)};
-        last = {std::max(last.x, key.x), std::max(last.z, key.z)};
-        block.content = hash_of(*block.block);
-        out.bounds.push_back(bounds_of(*block.block, out.step_log2));
-        out.blocks.push_back(std::move(block));
+        for (const auto& block : layer->blocks()) {
+            if (counts.contains(block->key)) continue;
+            counts.emplace(block->key, Counting{{layer->id(), field.step_log2(), block, hash_of(*block)},
+                                                bounds_of(*block, field.step_log2())});
+        }
     }
-    out.columns = int64_t{last.x} - out.first.x + 1;
-    out.rows = int64_t{last.z} - out.first.z + 1;
-    out.slots.assign(static_cast<size_t>(out.columns * out.rows), -1);
-    for (size_t i = 0; i < out.blocks.size(); ++i) {
-        const BlockKey key = out.blocks[i].block->key;
-        const int64_t slot = (int64_t{key.z} - out.first.z) * out.columns + (int64_t{key.x} - out.first.x);
-        out.slots[static_cast<size_t>(slot)] = static_cast<int32_t>(i);
-    }
-    return out;
+    return counts;
 }
 
 /// Largest gradient of the product of the four side ramps, 1/m.
@@ -117,10 +119,12 @@ void add_modulation(IndexedBox& out) {
     out.modulation_slope = share * (wave_number(i.ukx, i.ukz) + wave_number(i.vkx, i.vkz)) * rounding_cover;
 }
 
-std::shared_ptr<const IndexedBox> index_box(const std::shared_ptr<const PreparedBox>& sea) {
+/// `blocks` gives what counts in a field.
+template <class Blocks>
+std::shared_ptr<const IndexedBox> index_box(const std::shared_ptr<const PreparedBox>& sea, Blocks blocks) {
     auto out = std::make_shared<IndexedBox>();
     out->sea = sea;
-    for (const auto& field : sea->fields) out->fields.push_back(index_field(*field));
+    for (const auto& field : sea->fields) out->fields.push_back({blocks(field), {}, 0});
     const size_t count = sea->constants.size();
     out->longest.resize(count);
     out->tail.resize(count + 1);
@@ -147,7 +151,7 @@ std::shared_ptr<const IndexedBox> index_box(const std::shared_ptr<const Prepared
     out->displacement = out->wake.displacement + out->open.h * out->modulation;
     for (const IndexedField& field : out->fields) {
         double gain = 1.0, orbit = 1.0;
-        for (const BlockBounds& b : field.bounds) {
+        for (const BlockBounds& b : field.land->bounds) {
             gain = std::max(gain, b.gain);
             orbit = std::max(orbit, b.orbit);
         }
@@ -158,23 +162,74 @@ std::shared_ptr<const IndexedBox> index_box(const std::shared_ptr<const Prepared
 
 }  // namespace
 
-InterestIndex::InterestIndex(const WorldState& world, const InterestIndex* previous)
+std::shared_ptr<const IndexedBlocks> index_blocks(std::shared_ptr<const LandField> field,
+                                                  const IndexedBox* before) {
+    auto out = std::make_shared<IndexedBlocks>();
+    const auto below = field->base() ? blocks_of(before, field->base().get()) : nullptr;
+    const auto counts = counting_blocks(*field, below.get());
+    out->field = std::move(field);
+    if (counts.empty()) return out;
+    BlockKey last;
+    out->first = last = counts.begin()->first;
+    for (const auto& [key, counting] : counts) {
+        out->first = {std::min(out->first.x, key.x), std::min(out->first.z, key.z)};
+        last = {std::max(last.x, key.x), std::max(last.z, key.z)};
+        out->bounds.push_back(counting.bounds);
+        out->blocks.push_back(counting.block);
+    }
+    out->columns = int64_t{last.x} - out->first.x + 1;
+    out->rows = int64_t{last.z} - out->first.z + 1;
+    out->slots.assign(static_cast<size_t>(out->columns * out->rows), -1);
+    for (size_t i = 0; i < out->blocks.size(); ++i) {
+        const BlockKey key = out->blocks[i].block->key;
+        const int64_t slot = (int64_t{key.z} - out->first.z) * out->columns + (int64_t{key.x} - out->first.x);
+        out->slots[static_cast<size_t>(slot)] = static_cast<int32_t>(i);
+    }
+    return out;
+}
+
+InterestIndex::InterestIndex(const WorldState& world, const InterestIndex* previous, const IndexedLand& ahead)
     : log_position_(world.log_position) {
+    std::map<FieldId, std::shared_ptr<const IndexedBlocks>> made;
+    for (const auto& land : ahead.fields) made.emplace(land->field->id(), land);
     // Both run by ascending id, so the previous box is found by walking along.
     size_t old = 0;
     for (const auto& [id, box] : world.boxes) {
-        std::shared_ptr<const IndexedBox> known;
+        const IndexedBox* same_box = nullptr;
         if (previous != nullptr) {
             const auto& before = previous->boxes_;
             while (old < before.size() && before[old]->sea->record.id < id) ++old;
-            if (old < before.size() && before[old]->sea == box->sea) known = before[old];
+            if (old < before.size() && before[old]->sea == box->sea) {
+                boxes_.push_back(before[old]);
+                continue;
+            }
+            if (old < before.size() && before[old]->sea->record.id == id) same_box = before[old].get();
         }
-        boxes_.push_back(known ? known : index_box(box->sea));
+        // A box that ends keeps its fields, and most of those of one that is succeeded serve the successor too.
+        const IndexedBox* predecessor = previous == nullptr ? nullptr : previous->find(box->predecessor);
+        boxes_.push_back(index_box(box->sea, [&](const std::shared_ptr<const LandField>& field) {
+            if (const auto known = made.find(field->id());
+                known != made.end() && known->second->field == field)
+                return known->second;
+            if (auto known = blocks_of(same_box, field.get())) return known;
+            if (auto known = blocks_of(predecessor, field.get())) return known;
+            return index_blocks(field, predecessor);
+        }));
     }
     if (!world.terrain) return;
-    const bool same =
-        previous != nullptr && previous->terrain_ && previous->terrain_->grid() == world.terrain;
-    terrain_ = same ? previous->terrain_ : std::make_shared<const TerrainMinima>(world.terrain);
+    const auto of_world = [&](const auto& minima) { return minima && minima->grid() == world.terrain; };
+    if (previous != nullptr && of_world(previous->terrain_))
+        terrain_ = previous->terrain_;
+    else
+        terrain_ =
+            of_world(ahead.terrain) ? ahead.terrain : std::make_shared<const TerrainMinima>(world.terrain);
+}
+
+const IndexedBox* InterestIndex::find(BoxId box) const {
+    const auto place = std::lower_bound(boxes_.begin(), boxes_.end(), box, [](const auto& known, BoxId id) {
+        return known->sea->record.id < id;
+    });
+    return place != boxes_.end() && (*place)->sea->record.id == box ? place->get() : nullptr;
 }
 
 }  // namespace trochoid

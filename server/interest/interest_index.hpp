@@ -26,17 +26,21 @@ struct TrainSums {
     double kh = 0.0;  ///< sum of chi k A
 };
 
-/// A land field with a dense window for look-ups and its blocks ready to be handed on: where it lies over another, the blocks
-/// that count, each under the id of the field that holds it.
-struct IndexedField {
-    FieldId id;
-    uint8_t step_log2 = 16;
+/// A land field's blocks with a dense window for look-ups, ready to be handed on: where the field lies over another, the blocks
+/// that count, each under the id of the field that holds it. Immutable and shared between boxes and indices.
+struct IndexedBlocks {
+    std::shared_ptr<const LandField> field;
     BlockKey first;
     int64_t columns = 0;
     int64_t rows = 0;
     std::vector<int32_t> slots;  ///< index into blocks and bounds, -1 where none lies
     std::vector<FieldBlock> blocks;
     std::vector<BlockBounds> bounds;
+};
+
+/// A land field of a box.
+struct IndexedField {
+    std::shared_ptr<const IndexedBlocks> land;
     TrainSums trains;        ///< of the box's trains that read this field
     size_t first_train = 0;  ///< the first of them: a shorter prefix does not need the field
 };
@@ -60,15 +64,26 @@ struct IndexedBox {
     double displacement = 0.0;      ///< m, most that it shifts the water sideways
 };
 
+/// Land that was indexed ahead of the world that it becomes part of, on the thread that traced it: hashing blocks and building the
+/// minima take longer than all the rest.
+struct IndexedLand {
+    std::shared_ptr<const TerrainMinima> terrain;
+    std::vector<std::shared_ptr<const IndexedBlocks>> fields;  ///< any order
+};
+
 /// What culls of one world share. An immutable value; holds all that it refers to.
 class InterestIndex {
 public:
-    /// Boxes and terrain that `previous` holds too (the same objects) are taken over, not made again.
-    explicit InterestIndex(const WorldState& world, const InterestIndex* previous = nullptr);
+    /// Boxes, land fields and terrain that `previous` or `ahead` hold too (the same objects) are taken over, not made again. The
+    /// result is the same with and without them.
+    explicit InterestIndex(const WorldState& world, const InterestIndex* previous = nullptr,
+                           const IndexedLand& ahead = {});
 
     LogPosition log_position() const { return log_position_; }
     /// Ascending id.
     const std::vector<std::shared_ptr<const IndexedBox>>& boxes() const { return boxes_; }
+    /// The box of an id; nullptr where there is none.
+    const IndexedBox* find(BoxId box) const;
     /// nullptr over open sea.
     const TerrainMinima* terrain() const { return terrain_.get(); }
 
@@ -77,5 +92,9 @@ private:
     std::vector<std::shared_ptr<const IndexedBox>> boxes_;
     std::shared_ptr<const TerrainMinima> terrain_;
 };
+
+/// A traced field, ready for an index. Where it lies over a field of `before` (nullptr: none), only its own blocks are looked at.
+std::shared_ptr<const IndexedBlocks> index_blocks(std::shared_ptr<const LandField> field,
+                                                  const IndexedBox* before);
 
 }  // namespace trochoid

@@ -21,8 +21,8 @@ struct SlotRange {
     bool whole = false;  ///< nothing of the rectangle lies outside the window
 };
 
-SlotRange slots_touching(const IndexedField& field, const LatticeRect& rect) {
-    const BlockRange range = blocks_touching(rect, field.step_log2);
+SlotRange slots_touching(const IndexedBlocks& field, const LatticeRect& rect) {
+    const BlockRange range = blocks_touching(rect, field.field->step_log2());
     SlotRange s{int64_t{range.first.x} - field.first.x, int64_t{range.last.x} - field.first.x,
                 int64_t{range.first.z} - field.first.z, int64_t{range.last.z} - field.first.z, false};
     s.whole =
@@ -36,7 +36,7 @@ SlotRange slots_touching(const IndexedField& field, const LatticeRect& rect) {
 
 /// Calls visit(index of block) for every block that touches the rectangle; false where a part of it has none.
 template <class Visit>
-bool for_blocks(const IndexedField& field, const LatticeRect& rect, Visit visit) {
+bool for_blocks(const IndexedBlocks& field, const LatticeRect& rect, Visit visit) {
     const SlotRange range = slots_touching(field, rect);
     bool whole = range.whole;
     for (int64_t row = range.first_row; row <= range.last_row; ++row)
@@ -51,7 +51,7 @@ bool for_blocks(const IndexedField& field, const LatticeRect& rect, Visit visit)
 }
 
 /// Largest gain and gradients of the field over the rectangle.
-BlockBounds bounds_over(const IndexedField& field, const LatticeRect& rect) {
+BlockBounds bounds_over(const IndexedBlocks& field, const LatticeRect& rect) {
     BlockBounds all{0.0, 0.0, 0.0, 0.0, 0.0};
     const bool whole = for_blocks(field, rect, [&](size_t block) {
         const BlockBounds& b = field.bounds[block];
@@ -131,8 +131,8 @@ void Referred::blocks(size_t box, size_t field, const LatticeRect& rect) {
     const auto& fields = index_.boxes()[box]->fields;
     if (marks_[box].empty()) marks_[box].resize(fields.size());
     auto& marks = marks_[box][field];
-    if (marks.empty()) marks.resize(fields[field].blocks.size());
-    for_blocks(fields[field], rect, [&](size_t block) { marks[block] = 1; });
+    if (marks.empty()) marks.resize(fields[field].land->blocks.size());
+    for_blocks(*fields[field].land, rect, [&](size_t block) { marks[block] = 1; });
 }
 
 void Referred::collect(InterestState& state) const {
@@ -144,7 +144,7 @@ void Referred::collect(InterestState& state) const {
         for (size_t f = 0; f < marks_[i].size(); ++f)
             for (size_t b = 0; b < marks_[i][f].size(); ++b) {
                 if (marks_[i][f][b] == 0) continue;
-                const FieldBlock& block = box.fields[f].blocks[b];
+                const FieldBlock& block = box.fields[f].land->blocks[b];
                 state.blocks.emplace_hint(state.blocks.end(), FieldBlockKey{block.field, block.block->key},
                                           block);
             }
@@ -186,7 +186,7 @@ PatchDescriptor describe(const Selection& selection, const SelectedPatch& patch,
         double orbit = 1.0;
         bounds.add(box.open, {}, box, share);
         for (const IndexedField& field : box.fields) {
-            const BlockBounds land = bounds_over(field, rect);
+            const BlockBounds land = bounds_over(*field.land, rect);
             gain = std::max(gain, land.gain);
             orbit = std::max(orbit, land.orbit);
             bounds.add(field.trains, land, box, share);

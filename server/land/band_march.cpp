@@ -1,11 +1,14 @@
 #include "server/land/band_march.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 
 #include "protocol/model/arithmetic_rules.hpp"
 #include "server/land/bilinear.hpp"
+#include "server/land/plane_sampler.hpp"
 #include "server/land/row_march.hpp"
+#include "server/land/wide_rows.hpp"
 
 namespace trochoid {
 
@@ -23,61 +26,127 @@ double magnitude(double value) { return value < 0.0 ? -value : value; }
 class RowSampler {
 public:
     RowSampler(const LandArea& area, const NodePlanes& planes, const BandGrid& grid, float open)
-        : nx_(area.nodes_x()), nz_(area.nodes_z()), pairs_(planes.pairs.data()), grid_(grid), open_(open) {}
+        : nx_(area.nodes_x()), nz_(area.nodes_z()), planes_(planes), grid_(grid), open_(open) {}
 
-    void sample(int32_t row, MarchRow& wave_numbers, MarchRow& limits) const {
+    void sample(int32_t row, MarchRow& wave_numbers, MarchRow& limits) {
         const double along = static_cast<double>(row) * grid_.row_step - grid_.centre_row;
-        const int64_t dx = to_q32(-grid_.dz);
-        const int64_t dz = to_q32(grid_.dx);
-        int64_t x = to_q32(grid_.centre_x + along * grid_.dx + grid_.centre_column * grid_.dz);
-        int64_t z = to_q32(grid_.centre_z + along * grid_.dz - grid_.centre_column * grid_.dx);
+        ObliqueRow points;
+        points.dx = to_q32(-grid_.dz);
+        points.dz = to_q32(grid_.dx);
+        points.x = to_q32(grid_.centre_x + along * grid_.dx + grid_.centre_column * grid_.dz);
+        points.z = to_q32(grid_.centre_z + along * grid_.dz - grid_.centre_column * grid_.dx);
         IndexRange inside{0, grid_.columns};
-        inside = indices_inside(inside, x, dx, int64_t{nx_ - 1} << 32);
-        inside = indices_inside(inside, z, dz, int64_t{nz_ - 1} << 32);
-        fill(wave_numbers, limits, {0, inside.from});
-        fill(wave_numbers, limits, {inside.to, grid_.columns});
-        x += inside.from * dx;
-        z += inside.from * dz;
+        inside = indices_inside(inside, points.x, points.dx, int64_t{nx_ - 1} << 32);
+        inside = indices_inside(inside, points.z, points.dz, int64_t{nz_ - 1} << 32);
         float* const k = wave_numbers.data() + 1;
         float* const limit = limits.data() + 1;
-        for (int32_t j = inside.from; j < inside.to; ++j, x += dx, z += dz) {
-            const auto ix = static_cast<size_t>(x >> 32);
-            const size_t n = static_cast<size_t>(z >> 32) * static_cast<size_t>(nx_) + ix;
-            const float fx = fraction_of(x);
-            const float fz = fraction_of(z);
-            const float* const north = pairs_ + 2 * n;
-            const float* const south = north + 2 * static_cast<size_t>(nx_);
-            prefetch(south + 2 * static_cast<size_t>(nx_));
-            const ValuePair here = bilinear(north, south, fx, fz);
-            // The nearest node decides too, so that land one node wide has no holes.
-            const float nearest = (fz >= 0.5F ? south : north)[fx >= 0.5F ? 3 : 1];
-            k[j] = here.first;
-            limit[j] = nearest == 0.0F ? 0.0F : here.second;
-        }
+        std::fill(k, k + inside.from, open_);
+        std::fill(limit, limit + inside.from, 1.0F);
+        for_marked_runs(planes_.marks, points, inside, [&](IndexRange run, uint8_t marks) {
+            if (marks != 0) sampler_.place(points, run, static_cast<size_t>(nx_));
+            if ((marks & NodePlanes::bends) != 0)
+                sampler_.sample(planes_.wave_numbers.data(), run, k);
+            else
+                std::fill(k + run.from, k + run.to, open_);
+            if ((marks & NodePlanes::breaks) != 0)
+                sampler_.sample_solid(planes_.limits.data(), run, limit);
+            else
+                std::fill(limit + run.from, limit + run.to, 1.0F);
+        });
+        std::fill(k + inside.to, k + grid_.columns, open_);
+        std::fill(limit + inside.to, limit + grid_.columns, 1.0F);
         wave_numbers.front() = wave_numbers[1];
         wave_numbers.back() = wave_numbers[wave_numbers.size() - 2];
     }
 
 private:
-    void fill(MarchRow& wave_numbers, MarchRow& limits, IndexRange range) const {
-        std::fill(wave_numbers.begin() + range.from + 1, wave_numbers.begin() + range.to + 1, open_);
-        std::fill(limits.begin() + range.from + 1, limits.begin() + range.to + 1, 1.0F);
-    }
-
     int32_t nx_;
     int32_t nz_;
-    const float* pairs_;
+    const NodePlanes& planes_;
     const BandGrid& grid_;
     float open_;
+    PlaneSampler sampler_;
+};
+
+/// Whether any of `count` values differs from `open`, bit by bit.
+TROCHOID_WIDE_ROWS bool any_differs(const float* values, size_t count, float open) {
+    const auto bits = std::bit_cast<uint32_t>(open);
+    uint32_t differs = 0;
+    for (size_t j = 0; j < count; ++j) differs |= std::bit_cast<uint32_t>(values[j]) ^ bits;
+    return differs != 0;
+}
+
+/// Hashes of tiles while their rows go by: one a column, all columns alike, so that they run in vector registers.
+class TileHasher {
+public:
+    explicit TileHasher(BandGrid& grid) : grid_(grid), columns_(tiles_across(grid) * TileMarks::side) {
+        const size_t tiles = static_cast<size_t>((grid.rows - 1) / TileMarks::side + 1) * tiles_across(grid);
+        begin();
+        if (grid.tile_hashes.size() != tiles || grid.first_row % TileMarks::side != 0) {
+            // Rows that are not marched are open water.
+            for (int32_t row = 0; row < TileMarks::side; ++row) add_open();
+            end(0);
+            grid.tile_hashes.resize(tiles);
+            for (size_t tile = tiles_across(grid); tile < tiles; ++tile)
+                grid.tile_hashes[tile] = grid.tile_hashes[tile % tiles_across(grid)];
+            for (int32_t row = 0; row < grid.first_row % TileMarks::side; ++row) add_open();
+        }
+    }
+
+    void add(int32_t row, const float* shift, const float* shelter) {
+        mix(columns_.data(), shift, shelter, static_cast<size_t>(grid_.columns));
+        if (row % TileMarks::side == TileMarks::side - 1 || row == grid_.rows - 1) end(row / TileMarks::side);
+    }
+
+private:
+    static constexpr uint64_t factor = 0x9e3779b97f4a7c15U;
+
+    TROCHOID_WIDE_ROWS static void mix(uint64_t* __restrict hashes, const float* __restrict shift,
+                                       const float* __restrict shelter, size_t count) {
+        for (size_t j = 0; j < count; ++j) {
+            const uint64_t both = uint64_t{std::bit_cast<uint32_t>(shift[j])} << 32 |
+                                  uint64_t{std::bit_cast<uint32_t>(shelter[j])};
+            hashes[j] = (hashes[j] ^ both) * factor;
+            hashes[j] ^= hashes[j] >> 29;
+        }
+    }
+    void add_open() {
+        const std::vector<float> shift(static_cast<size_t>(grid_.columns), 0.0F);
+        const std::vector<float> shelter(static_cast<size_t>(grid_.columns), 1.0F);
+        mix(columns_.data(), shift.data(), shelter.data(), static_cast<size_t>(grid_.columns));
+    }
+    void begin() { std::fill(columns_.begin(), columns_.end(), uint64_t{1}); }
+    void end(int32_t tile_row) {
+        const size_t across = tiles_across(grid_);
+        const size_t first = static_cast<size_t>(tile_row) * across;
+        grid_.tile_hashes.resize(std::max(grid_.tile_hashes.size(), first + across));
+        for (size_t tile = 0; tile < across; ++tile) {
+            uint64_t hash = 0;
+            for (size_t j = 0; j < TileMarks::side; ++j) {
+                hash = (hash ^ columns_[tile * TileMarks::side + j]) * factor;
+                hash ^= hash >> 32;
+            }
+            grid_.tile_hashes[first + tile] = hash;
+        }
+        begin();
+    }
+
+    BandGrid& grid_;
+    std::vector<uint64_t> columns_;
 };
 
 void put_row(BandGrid& grid, int32_t row, const MarchRow& shift, const MarchRow& shelter) {
-    float* const to = grid.values.data() +
-                      2 * static_cast<size_t>(row - grid.first_row) * static_cast<size_t>(grid.columns);
-    const auto columns = static_cast<size_t>(grid.columns);
-    for (size_t j = 0; j < columns; ++j) {
-        to[2 * j] = shift[j + 1];
-        to[2 * j + 1] = shelter[j + 1];
+    const int32_t at = row - grid.first_row;
+    const size_t start = static_cast<size_t>(at) * static_cast<size_t>(grid.columns);
+    std::copy_n(shift.data() + 1, grid.columns, grid.shift.data() + start);
+    std::copy_n(shelter.data() + 1, grid.columns, grid.shelter.data() + start);
+    for (int32_t j = 0; j < grid.columns; j += TileMarks::side) {
+        const auto count = static_cast<size_t>(std::min(TileMarks::side, grid.columns - j));
+        const uint8_t known = grid.marks.at(j, at);
+        if ((known & BandGrid::shifts) == 0 && any_differs(grid.shift.data() + start + j, count, 0.0F))
+            grid.marks.add(j, at, BandGrid::shifts);
+        if ((known & BandGrid::shelters) == 0 && any_differs(grid.shelter.data() + start + j, count, 1.0F))
+            grid.marks.add(j, at, BandGrid::shelters);
     }
 }
 
@@ -128,7 +197,9 @@ void set_frame(BandGrid& grid, const LandArea& area, const WaveBand& band, const
     grid.rows = ceiling((along.most - along.least) / grid.row_step) + 1;
     grid.columns = ceiling(across.most - across.least) + 1;
     grid.first_row = 0;
-    grid.values.clear();
+    grid.shift.clear();
+    grid.shelter.clear();
+    grid.tile_hashes.clear();
     grid.cut_slopes = 0;
     grid.rows_marched = 0;
 }
@@ -146,23 +217,31 @@ void march_band(BandGrid& grid, const LandArea& area, const NodePlanes& planes, 
     grid.first_row = checkpoints.empty() ? first_touched_row(grid, planes) : checkpoints.back().row;
     if (grid.first_row >= grid.rows - 1) return;
     if (!checkpoints.empty()) shelter.load(phase.load(checkpoints.back().state.data()));
-    const RowSampler sampler(area, planes, grid, static_cast<float>(open));
+    RowSampler sampler(area, planes, grid, static_cast<float>(open));
 
-    grid.values.resize(2 * static_cast<size_t>(grid.rows - grid.first_row) * columns);
-    put_row(grid, grid.first_row, phase.shift(), shelter.shelter());
+    grid.shift.resize(static_cast<size_t>(grid.rows - grid.first_row) * columns);
+    grid.shelter.resize(grid.shift.size());
+    grid.marks.reset(grid.columns, grid.rows - grid.first_row);
+    TileHasher hasher(grid);
+    const auto put = [&](int32_t row) {
+        put_row(grid, row, phase.shift(), shelter.shelter());
+        hasher.add(row, phase.shift().data() + 1, shelter.shelter().data() + 1);
+    };
+    put(grid.first_row);
     MarchRow wave_numbers(columns + 2, static_cast<float>(open));
     MarchRow limits(columns + 2, 1.0F);
     for (int32_t row = grid.first_row + 1; row < grid.rows; ++row) {
         sampler.sample(row, wave_numbers, limits);
         phase.advance(wave_numbers);
         shelter.advance(limits);
-        put_row(grid, row, phase.shift(), shelter.shelter());
+        put(row);
         if (row % checkpoint_rows == 0) {
             checkpoints.push_back({row, {}});
             phase.save(checkpoints.back().state);
             shelter.save(checkpoints.back().state);
         }
     }
+    grid.marks.spread(BandGrid::shifts | BandGrid::shelters);
     grid.rows_marched = static_cast<uint64_t>(grid.rows - grid.first_row - 1);
     grid.cut_slopes = phase.cut_slopes();
 }

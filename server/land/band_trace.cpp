@@ -31,20 +31,109 @@ double growth_where_breaking(const DepthResponse& response, double height, const
     return std::max(response.wave_number(depth) * response.growth(depth), 1.0);
 }
 
-void mark_live(const TraceInput& in, const BandView& view, TraceWorkspace& work, const BandRestart* restart) {
+/// Marks the blocks that are not open water; of a restart only those `looked_at`.
+void mark_live(const TraceInput& in, const BandView& view, TraceWorkspace& work,
+               std::span<const uint8_t> looked_at) {
     const LandArea& area = *view.area;
     work.live.assign(static_cast<size_t>(area.blocks_x) * static_cast<size_t>(area.blocks_z), 0);
-    // One block more than is decided, for the cells around its nodes.
-    const double from = restart != nullptr ? restart->along - restart_margin * 0.5 : 0.0;
     size_t at = 0;
     for (int32_t bz = 0; bz < area.blocks_z; ++bz) {
         for (int32_t bx = 0; bx < area.blocks_x; ++bx, ++at) {
-            if (restart != nullptr && !block_reaches(view.band, bx, bz, from)) continue;
+            if (!looked_at.empty() && looked_at[at] == 0) continue;
             const BlockOffset real = block_in_area(view, bx, bz);
             if (block_touches(in.area, real.x, real.z, in.box) && !block_is_open(area, work.field, bx, bz))
                 work.live[at] = 1;
         }
     }
+}
+
+/// First and last tile that [least, most] touches on a grid of `tiles`; none: first > last.
+struct TileSpan {
+    int32_t first;
+    int32_t last;
+};
+TileSpan tiles_touched(double least, double most, size_t tiles) {
+    const auto count = static_cast<int32_t>(tiles);
+    const auto tile_of = [&](double at) {
+        return static_cast<int32_t>(std::clamp(at / TileMarks::side, 0.0, static_cast<double>(count)));
+    };
+    if (most < 0.0) return {0, -1};
+    return {tile_of(least), std::min(tile_of(most), count - 1)};
+}
+
+/// Whether a block's nodes lie in tiles of the march that have changed.
+bool march_changed(const BandGrid& grid, std::span<const uint64_t> before, int32_t bx, int32_t bz) {
+    const size_t across = tiles_across(grid);
+    double least_row = 0x1p40;
+    double most_row = -0x1p40;
+    double least_column = 0x1p40;
+    double most_column = -0x1p40;
+    for (const int32_t z : {bz, bz + 1})
+        for (const int32_t x : {bx, bx + 1}) {
+            const double row = grid.row_of(x * block_cells, z * block_cells);
+            const double column = grid.column_of(x * block_cells, z * block_cells);
+            least_row = std::min(least_row, row);
+            most_row = std::max(most_row, row);
+            least_column = std::min(least_column, column);
+            most_column = std::max(most_column, column);
+        }
+    // The cells around the nodes, and roundings.
+    const TileSpan rows = tiles_touched(least_row - 1.5, most_row + 1.5, before.size() / across);
+    const TileSpan columns = tiles_touched(least_column - 1.5, most_column + 1.5, across);
+    for (int32_t row = rows.first; row <= rows.last; ++row)
+        for (int32_t column = columns.first; column <= columns.last; ++column) {
+            const size_t tile = static_cast<size_t>(row) * across + static_cast<size_t>(column);
+            if (grid.tile_hashes[tile] != before[tile]) return true;
+        }
+    return false;
+}
+
+/// What a restart has to look at.
+struct RestartBlocks {
+    /// Blocks that may have changed.
+    std::vector<uint8_t> decided;
+    /// These and their neighbours, whose cells say how the nodes between are limited.
+    std::vector<uint8_t> looked_at;
+    /// Tiles of the nodes of those.
+    std::vector<uint8_t> tiles;
+};
+
+RestartBlocks restart_blocks(const LandArea& area, const BandGrid& grid, const BandRestart& restart) {
+    const bool known = restart.tile_hashes.size() == grid.tile_hashes.size();
+    TileMarks blocks;
+    blocks.reset(area.nodes_x() - 1, area.nodes_z() - 1);
+    const std::span<uint8_t> marks = blocks.tiles();
+    size_t at = 0;
+    for (int32_t bz = 0; bz < area.blocks_z; ++bz)
+        for (int32_t bx = 0; bx < area.blocks_x; ++bx, ++at)
+            marks[at] = !known || restart.blocks[at] != 0 || march_changed(grid, restart.tile_hashes, bx, bz);
+    RestartBlocks out;
+    blocks.spread(1);
+    out.decided.assign(marks.begin(), marks.end());
+    blocks.spread(1);
+    out.looked_at.assign(marks.begin(), marks.end());
+    TileMarks nodes;
+    nodes.reset(area.nodes_x(), area.nodes_z());
+    at = 0;
+    for (int32_t bz = 0; bz < area.blocks_z; ++bz)
+        for (int32_t bx = 0; bx < area.blocks_x; ++bx, ++at)
+            if (marks[at] != 0)
+                for (const int32_t z : {bz, bz + 1})
+                    for (const int32_t x : {bx, bx + 1}) nodes.add(x * block_cells, z * block_cells, 1);
+    out.tiles.assign(nodes.tiles().begin(), nodes.tiles().end());
+    return out;
+}
+
+/// Rows of nodes that a march feels from its row `row` on.
+NodeRows rows_felt(const LandArea& area, const BandGrid& grid, int32_t row) {
+    const double along = static_cast<double>(row) * grid.row_step - grid.centre_row +
+                         grid.centre_x * grid.dx + grid.centre_z * grid.dz;
+    const double farthest = std::max(static_cast<double>(area.nodes_x() - 1) * grid.dx, 0.0);
+    const double last = static_cast<double>(area.nodes_z());
+    const double z = std::clamp((along - farthest) / grid.dz, 0.0, last);
+    const auto whole = static_cast<int32_t>(z);
+    if (grid.dz > 0.0) return {std::max(whole - 3, 0), area.nodes_z()};
+    return {0, std::min(whole + 4, area.nodes_z())};
 }
 
 bool travels_along_x(const WaveBand& band) { return band.dx * band.dx > band.dz * band.dz; }
@@ -86,11 +175,14 @@ TraceInput trace_input(const WaveTrainBox& box, const TerrainGrid& terrain, cons
     in.bands = wave_bands(box);
     if (in.area.empty() || in.bands.empty()) return in;
     in.depths = node_depths(in.area, box, terrain, settings.run_up);
-    in.least_depth = *std::min_element(in.depths.begin(), in.depths.end());
+    in.tile_depths = tile_minima(in.depths, in.area.nodes_x(), in.area.nodes_z());
+    in.least_depth = *std::min_element(in.tile_depths.begin(), in.tile_depths.end());
     if (std::any_of(in.bands.begin(), in.bands.end(), travels_along_x)) {
         in.turned_area = turned(in.area);
         in.turned_depths =
             turned(in.depths, static_cast<size_t>(in.area.nodes_x()), static_cast<size_t>(in.area.nodes_z()));
+        in.turned_tile_depths =
+            tile_minima(in.turned_depths, in.turned_area.nodes_x(), in.turned_area.nodes_z());
     }
     in.open_depth = to_metres(-int64_t{terrain.open_sea_depth}) + settings.run_up;
     in.height = significant_height(box);
@@ -106,8 +198,8 @@ DepthResponse response_of(const TraceInput& in, const WaveBand& band) {
 }
 
 BandView TraceInput::view(size_t index) const {
-    if (!travels_along_x(bands[index])) return {false, bands[index], &area, depths};
-    BandView view{true, bands[index], &turned_area, turned_depths};
+    if (!travels_along_x(bands[index])) return {false, bands[index], &area, depths, tile_depths};
+    BandView view{true, bands[index], &turned_area, turned_depths, turned_tile_depths};
     std::swap(view.band.dx, view.band.dz);
     return view;
 }
@@ -120,7 +212,7 @@ void copy_block_of(LandBlock& block, const TraceInput& in, const BandView& view,
     if (!view.turned) return;
     turn_square(block.shift);
     turn_square(block.gain);
-    turn_square(block.orbit);
+    if (!field.orbit.empty()) turn_square(block.orbit);
 }
 
 bool block_of_is_open(const BandView& view, const NodeField& field, int32_t bx, int32_t bz) {
@@ -133,19 +225,31 @@ BandOutcome trace_band(const TraceInput& in, size_t index, TraceWorkspace& work,
     out.memory = std::make_shared<BandMemory>();
     work.live.clear();
     const BandView view = in.view(index);
+    const LandArea& area = *view.area;
     const DepthResponse response = response_of(in, view.band);
     if (in.least_depth >= static_cast<float>(response.untouched())) return out;
     const DepthTable table(response);
-    set_frame(work.grid, *view.area, view.band, in.settings);
-    fill_node_planes(work.planes, *view.area, view.depths, view.band, table,
+    set_frame(work.grid, area, view.band, in.settings);
+    const bool resumes = restart != nullptr && !restart->checkpoints.empty();
+    NodeRows felt{0, area.nodes_z()};
+    if (resumes) felt = rows_felt(area, work.grid, restart->checkpoints.back().row);
+    fill_node_planes(work.planes, area, view.depths, view.tile_depths, felt, view.band, table,
                      in.settings.refraction == Refraction::straight);
-    if (!work.planes.touched) return out;
-    if (restart != nullptr) out.memory->checkpoints = restart->checkpoints;
-    march_band(work.grid, *view.area, work.planes, view.band, response, in.settings, out.memory->checkpoints);
-    if (work.grid.values.empty()) return out;
-    fill_node_field(work.field, *view.area, view.depths, work.grid, table, in.settings);
-    mark_live(in, view, work, restart);
-    out.growth = limit_growth(work.field, *view.area, work.live, view.band, in.allowed[index]);
+    if (!work.planes.touched && !resumes) return out;
+    if (resumes) {
+        out.memory->checkpoints = restart->checkpoints;
+        work.grid.tile_hashes.assign(restart->tile_hashes.begin(), restart->tile_hashes.end());
+    }
+    march_band(work.grid, area, work.planes, view.band, response, in.settings, out.memory->checkpoints);
+    if (work.grid.shift.empty()) return out;
+    RestartBlocks blocks;
+    if (restart != nullptr) blocks = restart_blocks(area, work.grid, *restart);
+    fill_node_field(work.field, area, view.depths, view.tile_depths, blocks.tiles, work.grid, table,
+                    in.settings);
+    mark_live(in, view, work, blocks.looked_at);
+    out.growth = limit_growth(work.field, area, work.live, view.band, in.allowed[index]);
+    out.memory->tile_hashes = work.grid.tile_hashes;
+    out.decided = std::move(blocks.decided);
     out.touched = true;
     return out;
 }
@@ -164,12 +268,6 @@ void take_growth(TracedLand& land, const TraceInput& in, const std::vector<float
     const double mean = weights > 0.0 ? std::max(sum / weights, 1.0) : 1.0;
     land.steepness_growth = mean > 1.0 ? static_cast<float>(mean * 1.00001) : 1.0F;
     land.steepness_growth_most = most > 1.0 ? static_cast<float>(most * 1.00001) : 1.0F;
-}
-
-bool block_reaches(const WaveBand& band, int32_t bx, int32_t bz, double along) {
-    const double x = static_cast<double>(bx * block_cells + (band.dx > 0.0 ? block_cells : 0));
-    const double z = static_cast<double>(bz * block_cells + (band.dz > 0.0 ? block_cells : 0));
-    return x * band.dx + z * band.dz >= along;
 }
 
 void for_each_band(size_t count, uint32_t threads, const std::function<void(size_t, TraceWorkspace&)>& work) {

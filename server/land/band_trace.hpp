@@ -29,6 +29,7 @@ struct BandView {
     WaveBand band;
     const LandArea* area = nullptr;
     std::span<const float> depths;
+    std::span<const float> tile_depths;
 };
 
 /// All that the bands of a box have in common.
@@ -40,6 +41,9 @@ struct TraceInput {
     /// The same with x and z exchanged, where a band needs them.
     LandArea turned_area{};
     std::vector<float> turned_depths{};
+    /// tile_minima of either.
+    std::vector<float> tile_depths{};
+    std::vector<float> turned_tile_depths{};
     float least_depth = 0.0F;
     /// Of the open sea, run-up included.
     double open_depth = 0.0;
@@ -83,10 +87,14 @@ struct TraceWorkspace {
     std::vector<uint8_t> live;
 };
 
-/// From which row of the march on a trace is to be taken up, and which blocks it decides anew.
+/// From which row of the march on a trace is to be taken up, and what is known of the land's change.
 struct BandRestart {
     /// Good up to the row where the march goes on.
     std::vector<MarchCheckpoint> checkpoints;
+    /// BandMemory::tile_hashes before the change.
+    std::span<const uint64_t> tile_hashes;
+    /// The view's blocks, row-major: those with a node whose depth has changed.
+    std::vector<uint8_t> blocks;
     /// Smallest along = x * dx + z * dz (the view's nodes) of nodes that may have changed.
     double along = 0.0;
 };
@@ -97,17 +105,18 @@ struct BandOutcome {
     /// Squared, over the blocks that were decided.
     BandGrowth growth;
     bool touched = false;
+    /// Blocks that a restart has decided anew, row-major; all others are as they were. Empty: all were decided.
+    std::vector<uint8_t> decided;
 };
 BandOutcome trace_band(const TraceInput& in, size_t band, TraceWorkspace& work, const BandRestart* restart);
 
 /// Sets the land's steepness growths from the bands' (1: untouched).
 void take_growth(TracedLand& land, const TraceInput& in, const std::vector<float>& growths);
 
-/// Whether a view's block has nodes at or beyond `along`; `band` is the view's.
-bool block_reaches(const WaveBand& band, int32_t bx, int32_t bz, double along);
-
-/// Nodes before the first changed one that a trace has to decide anew so that every changed block is whole: two blocks' diagonals.
-inline constexpr double restart_margin = 52.0;
+/// Nodes before the first changed one that a restarted march has to hold: a tile of the march, the block that touches it and the one
+/// beside it that its growth limit changes (16 rows and two blocks' diagonals), the cells around that, and some to spare. Of the
+/// blocks farther out, which only limit these, no other nodes count.
+inline constexpr double restart_margin = 76.0;
 
 /// Runs work(i, workspace) for i in [0, count) on up to `threads` threads (0: the machine's); which thread does which changes nothing.
 void for_each_band(size_t count, uint32_t threads, const std::function<void(size_t, TraceWorkspace&)>& work);

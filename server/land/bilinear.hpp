@@ -8,21 +8,30 @@ namespace trochoid {
 /// Four float32 in one register; every operation element by element, each rounded on its own, on any machine.
 using FourFloats __attribute__((vector_size(16))) = float;
 
-/// Two values of one point.
-struct ValuePair {
-    float first;
-    float second;
-};
+/// Four int32 in one register.
+using FourInts __attribute__((vector_size(16))) = int32_t;
 
-/// Bilinear between four points of a plane of interleaved pairs: `north` points at the north-west point's, `south` at the
-/// south-west point's; fx and fz in [0, 1]. Equal values stay exactly equal.
-inline ValuePair bilinear(const float* north, const float* south, float fx, float fz) {
-    FourFloats a;
-    FourFloats b;
-    std::memcpy(&a, north, sizeof a);
-    std::memcpy(&b, south, sizeof b);
-    const FourFloats v = a + (b - a) * fz;
-    return {v[0] + (v[2] - v[0]) * fx, v[1] + (v[3] - v[1]) * fx};
+/// Elements of a (0 to 3) and b (4 to 7) in another order.
+template <int A, int B, int C, int D>
+inline FourFloats shuffled(FourFloats a, FourFloats b) {
+#if defined(__clang__) || __GNUC__ >= 12
+    return __builtin_shufflevector(a, b, A, B, C, D);
+#else
+    return __builtin_shuffle(a, b, FourInts{A, B, C, D});
+#endif
+}
+
+/// Two pairs of values: first[0], first[1], second[0], second[1].
+inline FourFloats two_pairs(const float* first, const float* second) {
+    using TwoDoubles __attribute__((vector_size(16))) = double;
+    double low = 0.0;
+    double high = 0.0;
+    std::memcpy(&low, first, sizeof low);
+    std::memcpy(&high, second, sizeof high);
+    const TwoDoubles both = {low, high};
+    FourFloats out;
+    std::memcpy(&out, &both, sizeof out);
+    return out;
 }
 
 /// Asks for what the next row reads: oblique rows touch a new page every few points, which no hardware foresees. Harmless beyond the
@@ -31,10 +40,6 @@ inline void prefetch(const float* at) { __builtin_prefetch(at); }
 
 /// Q.32 of a value below 2^31, towards zero.
 inline int64_t to_q32(double value) { return static_cast<int64_t>(value * 0x1p32); }
-/// The fraction of a Q.32 number to 24 bits, exact in float32.
-inline float fraction_of(int64_t q32) {
-    return static_cast<float>(static_cast<int32_t>(static_cast<uint32_t>(q32) >> 8)) * 0x1p-24F;
-}
 
 /// Whole numbers j in [from, to).
 struct IndexRange {

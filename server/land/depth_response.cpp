@@ -12,6 +12,10 @@ namespace {
 /// Above any gain that a node can hold.
 constexpr double unlimited_gain = 2.0;
 
+/// k D in the deep sea's terms from which on nothing grows as much as unlimited_gain: linear theory reaches it below 0.02, the
+/// paper's growth and its decrease never.
+constexpr double surely_unbroken = 0.1;
+
 /// Rounded as node depths are, so that "at least as deep" is exact for them.
 double as_float(double depth) { return static_cast<double>(static_cast<float>(depth)); }
 
@@ -64,8 +68,8 @@ double DepthResponse::breaking_gain(double depth) const {
 double DepthResponse::share_limit(double depth) const {
     if (depth <= 0.0) return 0.0;
     const double most = breaking_gain(depth);
-    const double grown = growth(depth);
-    return most >= grown ? 1.0 : most / grown;
+    if (most >= unlimited_gain && kd_per_metre_ * depth >= surely_unbroken) return 1.0;
+    return share_of(most, growth(depth));
 }
 
 }  // namespace trochoid

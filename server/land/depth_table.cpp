@@ -8,12 +8,19 @@ DepthTable::DepthTable(const DepthResponse& response)
     : deep_(static_cast<float>(response.deep())),
       untouched_(static_cast<float>(response.untouched())),
       shallowest_(static_cast<float>(response.shallowest())) {
+    // Most cells lie below the shallowest depth, where nothing but breaking changes.
+    const double shallowest = response.shallowest();
+    const double shallowest_number = response.wave_number(shallowest);
+    const double shallowest_growth = response.growth(shallowest);
+    const bool flat = !response.growth_falls_to_shore();
     const auto sample = [&](uint32_t node) {
         const double depth = static_cast<double>(std::bit_cast<float>(first_bits + (node << low_bits)));
-        return FourFloats{static_cast<float>(response.wave_number(depth)),
-                          static_cast<float>(response.growth(depth)),
-                          static_cast<float>(response.breaking_gain(depth)),
-                          static_cast<float>(response.share_limit(depth))};
+        const bool shallow = depth <= shallowest;
+        const double growth = shallow && flat ? shallowest_growth : response.growth(depth);
+        const double gain = response.breaking_gain(depth);
+        return FourFloats{static_cast<float>(shallow ? shallowest_number : response.wave_number(depth)),
+                          static_cast<float>(growth), static_cast<float>(gain),
+                          static_cast<float>(DepthResponse::share_of(gain, growth))};
     };
     FourFloats here = sample(0);
     land_ = here;
@@ -22,11 +29,76 @@ DepthTable::DepthTable(const DepthResponse& response)
     const uint32_t last_bits = std::max(std::bit_cast<uint32_t>(untouched_), first_bits);
     const uint32_t cells = ((last_bits - first_bits) >> low_bits) + 1;
     rows_.reserve(cells);
+    wave_numbers_.reserve(2 * size_t{cells});
+    growths_.reserve(2 * size_t{cells});
     for (uint32_t cell = 0; cell < cells; ++cell) {
         const FourFloats next = sample(cell + 1);
         rows_.push_back({here, next - here});
+        const FourFloats step = rows_.back().step;
+        wave_numbers_.insert(wave_numbers_.end(), {here[0], step[0]});
+        growths_.insert(growths_.end(), {here[1], step[1]});
         here = next;
     }
+    const auto breaks = [](const Row& row) {
+        return row.value[2] != 2.0F || row.value[3] != 1.0F || row.step[2] != 0.0F || row.step[3] != 0.0F;
+    };
+    uint32_t unbroken = cells;
+    while (unbroken > 0 && !breaks(rows_[unbroken - 1])) --unbroken;
+    breaking_ = std::min(std::bit_cast<float>(first_bits + (unbroken << low_bits)), untouched_);
+}
+
+namespace {
+
+/// Linear between the cells of a table of pairs (value, step) that begins at the float32 of `first_bits`; from `limit` on, which
+/// lies in the table, `beyond`. Depths below the table count as its first.
+struct CellTable {
+    const float* pairs;
+    uint32_t first_bits;
+    float limit;
+    float beyond;
+};
+
+void look_up(const CellTable& table, const float* depths, size_t count, float factor, float* out) {
+    const float* const pairs = table.pairs;
+    const auto first = static_cast<int32_t>(table.first_bits);
+    const auto last = std::bit_cast<int32_t>(table.limit);
+    const float limit = table.limit;
+    const float beyond = table.beyond;
+    size_t i = 0;
+    for (; i + 4 <= count; i += 4) {
+        FourFloats depth;
+        FourInts bits;
+        std::memcpy(&depth, depths + i, sizeof depth);
+        std::memcpy(&bits, depths + i, sizeof bits);
+        // As integers negative depths are below all others.
+        bits = bits < last ? bits : FourInts{} + last;
+        bits = bits > first ? bits : FourInts{} + first;
+        const FourInts cell = (bits - first) >> 16;
+        const FourFloats fraction = __builtin_convertvector(bits & 0xffff, FourFloats) * 0x1p-16F;
+        const FourFloats ab = two_pairs(pairs + 2 * cell[0], pairs + 2 * cell[1]);
+        const FourFloats cd = two_pairs(pairs + 2 * cell[2], pairs + 2 * cell[3]);
+        const FourFloats here =
+            factor * (shuffled<0, 2, 4, 6>(ab, cd) + shuffled<1, 3, 5, 7>(ab, cd) * fraction);
+        const FourFloats value = depth < limit ? here : FourFloats{} + beyond;
+        std::memcpy(out + i, &value, sizeof value);
+    }
+    for (; i < count; ++i) {
+        const int32_t bits = std::max(std::min(std::bit_cast<int32_t>(depths[i]), last), first);
+        const int32_t cell = (bits - first) >> 16;
+        const float fraction = static_cast<float>(bits & 0xffff) * 0x1p-16F;
+        const float here = factor * (pairs[2 * cell] + pairs[2 * cell + 1] * fraction);
+        out[i] = depths[i] < limit ? here : beyond;
+    }
+}
+
+}  // namespace
+
+void DepthTable::wave_numbers(const float* depths, size_t count, float open, float* out) const {
+    look_up({wave_numbers_.data(), first_bits, deep_, open}, depths, count, open, out);
+}
+
+void DepthTable::growths(const float* depths, size_t count, float* out) const {
+    look_up({growths_.data(), first_bits, untouched_, 1.0F}, depths, count, 1.0F, out);
 }
 
 }  // namespace trochoid

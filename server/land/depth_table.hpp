@@ -28,6 +28,13 @@ public:
     float deep() const { return deep_; }
     float untouched() const { return untouched_; }
     float shallowest() const { return shallowest_; }
+    /// Depth in metres from which on the box's waves do not break: the largest gain is not below 2 and all passes.
+    float breaking() const { return breaking_; }
+
+    /// out[i] = open * k(D) / k for `count` depths > 0, exactly `open` from `deep` on.
+    void wave_numbers(const float* depths, size_t count, float open, float* out) const;
+    /// out[i] = growth, exactly 1 from `untouched` on, on land the shore line's.
+    void growths(const float* depths, size_t count, float* out) const;
 
 private:
     static constexpr uint32_t low_bits = 16;
@@ -42,7 +49,11 @@ private:
     float untouched_;
     float shallowest_;
     FourFloats land_{};
+    float breaking_ = 0.0F;
     std::vector<Row> rows_;
+    /// One column of the rows each, value and step in turn, so that little memory is touched.
+    std::vector<float> wave_numbers_;
+    std::vector<float> growths_;
 };
 
 }  // namespace trochoid

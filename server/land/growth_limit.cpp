@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "protocol/model/arithmetic_rules.hpp"
+#include "server/land/wide_rows.hpp"
 
 namespace trochoid {
 
@@ -16,6 +17,43 @@ constexpr double least_excess = 0.05;
 inline float squared(float value) { return value * value; }
 inline float larger(float a, float b) { return a > b ? a : b; }
 
+/// A row of nodes across its cells.
+struct NodeRow {
+    std::vector<float> along;   ///< squared wave number along x, per cell
+    std::vector<float> height;  ///< per node
+};
+
+TROCHOID_WIDE_ROWS void square_slopes(const int32_t* __restrict from, const int32_t* __restrict to,
+                                      size_t count, float k, float* __restrict out) {
+    for (size_t x = 0; x < count; ++x) out[x] = squared(k + static_cast<float>(to[x] - from[x]) * 0x1p-16F);
+}
+
+TROCHOID_WIDE_ROWS void take_heights(const uint16_t* __restrict gain, size_t count, float* __restrict out) {
+    for (size_t x = 0; x < count; ++x) out[x] = static_cast<float>(static_cast<int32_t>(gain[x])) * 0x1p-15F;
+}
+
+TROCHOID_WIDE_ROWS void take_orbits(const uint16_t* __restrict orbit, size_t count, float* __restrict out) {
+    for (size_t x = 0; x < count; ++x)
+        out[x] = out[x] * (static_cast<float>(static_cast<int32_t>(orbit[x])) * 0x1p-14F);
+}
+
+/// Squared growth of a row of cells, from the nodes above and below.
+TROCHOID_WIDE_ROWS void grow_cells(const float* __restrict upper, const float* __restrict lower,
+                                   const float* __restrict upper_height, const float* __restrict lower_height,
+                                   const float* __restrict down, size_t count, float per_k_square,
+                                   float* __restrict out) {
+    for (size_t x = 0; x < count; ++x) {
+        const float k_square = larger(upper[x], lower[x]) + larger(down[x], down[x + 1]);
+        const float height = larger(larger(upper_height[x], upper_height[x + 1]),
+                                    larger(lower_height[x], lower_height[x + 1]));
+        out[x] = squared(height) * (k_square * per_k_square);
+    }
+}
+
+TROCHOID_WIDE_ROWS void take_larger(float* __restrict most, const float* __restrict values, size_t count) {
+    for (size_t x = 0; x < count; ++x) most[x] = larger(most[x], values[x]);
+}
+
 /// Squared growth of cells: the bilinear shift's slopes lie between those of the cell's edges.
 class CellGrowth {
 public:
@@ -25,54 +63,34 @@ public:
           kx_(static_cast<float>(band.steep_turns_per_metre * area.step() * band.dx)),
           kz_(static_cast<float>(band.steep_turns_per_metre * area.step() * band.dz)),
           per_k_square_(1.0F / squared(static_cast<float>(band.steep_turns_per_metre * area.step()))),
-          with_orbit_(with_orbit) {}
+          with_orbit_(with_orbit),
+          upper_{std::vector<float>(nx_), std::vector<float>(nx_)},
+          lower_(upper_),
+          down_(nx_),
+          cells_(nx_) {}
 
-    /// The cells of a block, row-major; returns their largest.
-    float block(size_t start, std::array<float, block_cells * block_cells>& cells) const {
-        std::array<float, block_cells> upper;
-        std::array<float, block_cells> lower;
-        std::array<float, block_nodes> upper_height;
-        std::array<float, block_nodes> lower_height;
-        std::array<float, block_nodes> down;
-        along_x(start, upper);
-        heights(start, upper_height);
-        std::array<float, block_cells> largest{};
+    /// The sixteen rows of `count` cells from node `start` on: each(row, cells).
+    template <class Each>
+    void rows(size_t start, size_t count, const Each& each) {
+        take(start, count, upper_);
         for (size_t z = 0; z < block_cells; ++z) {
             const size_t n = start + z * nx_;
-            along_x(n + nx_, lower);
-            heights(n + nx_, lower_height);
-            const int32_t* const here = field_.shift.data() + n;
-            const int32_t* const below = here + nx_;
-            for (size_t x = 0; x < block_nodes; ++x)
-                down[x] = squared(kz_ + static_cast<float>(below[x] - here[x]) * 0x1p-16F);
-            float* const out = cells.data() + z * block_cells;
-            for (size_t x = 0; x < block_cells; ++x) {
-                const float k_square = larger(upper[x], lower[x]) + larger(down[x], down[x + 1]);
-                const float height = larger(larger(upper_height[x], upper_height[x + 1]),
-                                            larger(lower_height[x], lower_height[x + 1]));
-                out[x] = squared(height) * (k_square * per_k_square_);
-                largest[x] = larger(largest[x], out[x]);
-            }
-            upper = lower;
-            upper_height = lower_height;
+            take(n + nx_, count, lower_);
+            const int32_t* const shift = field_.shift.data() + n;
+            square_slopes(shift, shift + nx_, count + 1, kz_, down_.data());
+            grow_cells(upper_.along.data(), lower_.along.data(), upper_.height.data(), lower_.height.data(),
+                       down_.data(), count, per_k_square_, cells_.data());
+            each(z, cells_.data());
+            std::swap(upper_, lower_);
         }
-        return *std::max_element(largest.begin(), largest.end());
     }
 
 private:
-    void along_x(size_t n, std::array<float, block_cells>& out) const {
-        const int32_t* const here = field_.shift.data() + n;
-        for (size_t x = 0; x < block_cells; ++x)
-            out[x] = squared(kx_ + static_cast<float>(here[x + 1] - here[x]) * 0x1p-16F);
-    }
-    void heights(size_t n, std::array<float, block_nodes>& out) const {
-        const uint16_t* const gain = field_.gain.data() + n;
-        for (size_t x = 0; x < block_nodes; ++x)
-            out[x] = static_cast<float>(static_cast<int32_t>(gain[x])) * 0x1p-15F;
-        if (!with_orbit_) return;
-        const uint16_t* const orbit = field_.orbit.data() + n;
-        for (size_t x = 0; x < block_nodes; ++x)
-            out[x] = out[x] * (static_cast<float>(static_cast<int32_t>(orbit[x])) * 0x1p-14F);
+    void take(size_t n, size_t count, NodeRow& row) const {
+        const int32_t* const shift = field_.shift.data() + n;
+        square_slopes(shift, shift + 1, count, kx_, row.along.data());
+        take_heights(field_.gain.data() + n, count + 1, row.height.data());
+        if (with_orbit_) take_orbits(field_.orbit.data() + n, count + 1, row.height.data());
     }
 
     const NodeField& field_;
@@ -81,79 +99,150 @@ private:
     float kz_;
     float per_k_square_;
     bool with_orbit_;
+    NodeRow upper_;
+    NodeRow lower_;
+    std::vector<float> down_;
+    std::vector<float> cells_;
 };
 
 class Limiter {
 public:
     Limiter(NodeField& field, const LandArea& area, std::span<const uint8_t> live, const WaveBand& band)
-        : field_(field), area_(area), live_(live), band_(band) {}
+        : field_(field), area_(area), live_(live), band_(band), slot_(live.size(), -1) {}
 
     /// Measures all live blocks; returns the largest.
-    float measure(std::vector<float>& blocks, bool with_orbit) {
-        const CellGrowth growth(field_, area_, band_, with_orbit);
-        std::array<float, block_cells * block_cells> cells;
-        float largest = 1.0F;
-        for_live([&](int32_t bx, int32_t bz, size_t at) {
-            blocks[at] = std::max(growth.block(block_start(area_, bx, bz), cells), 1.0F);
-            largest = std::max(largest, blocks[at]);
-        });
-        return largest;
+    float measure(std::vector<float>& blocks, bool with_orbit) const {
+        return measure(blocks, with_orbit, [&](size_t at) { return live_[at] != 0; });
+    }
+    /// Measures again what `lower` may have changed.
+    void measure_lowered(std::vector<float>& blocks, bool with_orbit) const {
+        std::vector<uint8_t> changed(live_.size(), 0);
+        for (const Block& block : above_)
+            for_around(block, [&](size_t at, size_t, size_t) { changed[at] = live_[at]; });
+        measure(blocks, with_orbit, [&](size_t at) { return changed[at] != 0; });
     }
 
     /// Lowers gains, or orbits down to 1, at the nodes of cells above the limit.
     uint64_t lower(const std::vector<float>& blocks, float limit_square, bool orbits) {
-        const size_t columns = static_cast<size_t>(area_.blocks_x) * block_cells;
-        cells_.assign(columns * static_cast<size_t>(area_.blocks_z) * block_cells, 1.0F);
-        const CellGrowth growth(field_, area_, band_, orbits);
-        std::array<float, block_cells * block_cells> cells;
-        uint64_t above = 0;
-        for_live([&](int32_t bx, int32_t bz, size_t at) {
-            if (blocks[at] <= limit_square) return;
-            growth.block(block_start(area_, bx, bz), cells);
-            for (size_t z = 0; z < block_cells; ++z) {
-                float* const to = cells_.data() + (static_cast<size_t>(bz) * block_cells + z) * columns +
-                                  static_cast<size_t>(bx) * block_cells;
-                std::copy_n(cells.begin() + static_cast<std::ptrdiff_t>(z * block_cells), block_cells, to);
-                for (size_t x = 0; x < block_cells; ++x) above += to[x] > limit_square ? 1U : 0U;
+        for (const Block& block : above_) slot_[index_of(block)] = -1;
+        above_.clear();
+        cells_.clear();
+        CellGrowth growth(field_, area_, band_, orbits);
+        uint64_t count = 0;
+        for (int32_t bz = 0; bz < area_.blocks_z; ++bz)
+            for (int32_t bx = 0; bx < area_.blocks_x; ++bx) {
+                const Block block{bx, bz};
+                const size_t at = index_of(block);
+                if (live_[at] == 0 || blocks[at] <= limit_square) continue;
+                slot_[at] = static_cast<int32_t>(above_.size());
+                above_.push_back(block);
+                growth.rows(block_start(area_, bx, bz), block_cells, [&](size_t, const float* cells) {
+                    cells_.insert(cells_.end(), cells, cells + block_cells);
+                    for (size_t x = 0; x < block_cells; ++x) count += cells[x] > limit_square ? 1U : 0U;
+                });
             }
-        });
         // Every node once, from the cells as they were.
-        done_.assign(static_cast<size_t>(area_.nodes_x()) * static_cast<size_t>(area_.nodes_z()), 0);
-        for_live([&](int32_t bx, int32_t bz, size_t at) {
-            if (blocks[at] <= limit_square) return;
-            for (int32_t z = bz * block_cells; z <= (bz + 1) * block_cells; ++z)
-                for (int32_t x = bx * block_cells; x <= (bx + 1) * block_cells; ++x)
-                    lower_node(x, z, limit_square, orbits);
-        });
-        return above;
+        for (const Block& block : above_) lower_block(block, limit_square, orbits);
+        return count;
     }
 
 private:
+    static constexpr size_t cells_per_block = size_t{block_cells} * block_cells;
+    /// The cells of a block with those around it.
+    static constexpr size_t padded = block_cells + 2;
+    using Padded = std::array<float, padded * padded>;
+    struct Block {
+        int32_t x;
+        int32_t z;
+    };
+
+    size_t index_of(const Block& block) const {
+        return static_cast<size_t>(block.z) * static_cast<size_t>(area_.blocks_x) +
+               static_cast<size_t>(block.x);
+    }
+    bool is_above(int32_t bx, int32_t bz) const {
+        return bx >= 0 && bz >= 0 && bx < area_.blocks_x && bz < area_.blocks_z &&
+               slot_[index_of({bx, bz})] >= 0;
+    }
+    /// The block and its neighbours: each(index, column, row) with column and row 0 to 2, 1 in the middle.
     template <class Each>
-    void for_live(const Each& each) const {
-        size_t at = 0;
-        for (int32_t bz = 0; bz < area_.blocks_z; ++bz)
-            for (int32_t bx = 0; bx < area_.blocks_x; ++bx, ++at)
-                if (live_[at] != 0) each(bx, bz, at);
+    void for_around(const Block& block, const Each& each) const {
+        for (int32_t bz = std::max(block.z - 1, 0); bz <= std::min(block.z + 1, area_.blocks_z - 1); ++bz)
+            for (int32_t bx = std::max(block.x - 1, 0); bx <= std::min(block.x + 1, area_.blocks_x - 1); ++bx)
+                each(index_of({bx, bz}), static_cast<size_t>(bx - block.x + 1),
+                     static_cast<size_t>(bz - block.z + 1));
     }
 
-    void lower_node(int32_t x, int32_t z, float limit_square, bool orbits) {
-        const int32_t columns = area_.blocks_x * block_cells;
-        const int32_t rows = area_.blocks_z * block_cells;
-        const size_t n =
-            static_cast<size_t>(z) * static_cast<size_t>(area_.nodes_x()) + static_cast<size_t>(x);
-        if (done_[n] != 0) return;
-        done_[n] = 1;
-        float worst = limit_square;
-        for (int32_t r = std::max(z - 1, 0); r <= std::min(z, rows - 1); ++r)
-            for (int32_t c = std::max(x - 1, 0); c <= std::min(x, columns - 1); ++c)
-                worst = std::max(
-                    worst,
-                    cells_[static_cast<size_t>(r) * static_cast<size_t>(columns) + static_cast<size_t>(c)]);
-        if (worst <= limit_square) return;
+    /// Neighbouring blocks are measured together.
+    template <class Wanted>
+    float measure(std::vector<float>& blocks, bool with_orbit, const Wanted& wanted) const {
+        CellGrowth growth(field_, area_, band_, with_orbit);
+        std::vector<float> most(static_cast<size_t>(area_.nodes_x()));
+        float largest = 1.0F;
+        for (int32_t bz = 0; bz < area_.blocks_z; ++bz)
+            for (int32_t from = 0; from < area_.blocks_x; ++from) {
+                if (!wanted(index_of({from, bz}))) continue;
+                int32_t to = from + 1;
+                while (to < area_.blocks_x && wanted(index_of({to, bz}))) ++to;
+                const size_t count = static_cast<size_t>(to - from) * block_cells;
+                std::fill_n(most.begin(), count, 1.0F);
+                growth.rows(block_start(area_, from, bz), count,
+                            [&](size_t, const float* cells) { take_larger(most.data(), cells, count); });
+                const float* block = most.data();
+                for (int32_t bx = from; bx < to; ++bx, block += block_cells) {
+                    float& of_block = blocks[index_of({bx, bz})];
+                    of_block = *std::max_element(block, block + block_cells);
+                    largest = std::max(largest, of_block);
+                }
+                from = to;
+            }
+        return largest;
+    }
+
+    /// Cells above the limit around and in a block; all others read the limit.
+    void pad(Padded& cells, const Block& block, float limit_square) const {
+        cells.fill(limit_square);
+        for_around(block, [&](size_t at, size_t column, size_t row) {
+            if (slot_[at] < 0) return;
+            const float* const from = cells_.data() + static_cast<size_t>(slot_[at]) * cells_per_block;
+            // First and last of the padded cells that the neighbour holds, and its first.
+            constexpr std::array<size_t, 3> first{0, 1, padded - 1};
+            constexpr std::array<size_t, 3> count{1, block_cells, 1};
+            constexpr std::array<size_t, 3> skipped{block_cells - 1, 0, 0};
+            for (size_t z = 0; z < count[row]; ++z)
+                for (size_t x = 0; x < count[column]; ++x)
+                    cells[(first[row] + z) * padded + first[column] + x] =
+                        from[(skipped[row] + z) * block_cells + skipped[column] + x];
+        });
+    }
+
+    /// All nodes of the block but those that a later block above the limit has too.
+    void lower_block(const Block& block, float limit_square, bool orbits) {
+        Padded cells;
+        pad(cells, block, limit_square);
+        const bool east = is_above(block.x + 1, block.z);
+        const bool south = is_above(block.x, block.z + 1);
+        const bool south_east = is_above(block.x + 1, block.z + 1);
+        const bool south_west = is_above(block.x - 1, block.z + 1);
+        for (size_t z = 0; z < block_nodes; ++z) {
+            const size_t n = block_start(area_, block.x, block.z) + z * static_cast<size_t>(area_.nodes_x());
+            const bool last_row = z + 1 == block_nodes;
+            if (last_row && south) break;
+            for (size_t x = 0; x < block_nodes; ++x) {
+                const bool last = x + 1 == block_nodes;
+                if (last && (east || (last_row && south_east))) continue;
+                if (last_row && x == 0 && south_west) continue;
+                const float* const cell = cells.data() + z * padded + x;
+                const float worst = larger(larger(cell[0], cell[1]), larger(cell[padded], cell[padded + 1]));
+                if (worst > limit_square) lower_node(n + x, limit_square / worst, orbits);
+            }
+        }
+    }
+
+    void lower_node(size_t n, float factor_square, bool orbits) {
         const bool open = field_.gain[n] == unit_node_gain && field_.shift[n] == 0;
         if (open && (field_.orbit.empty() || field_.orbit[n] == unit_node_orbit)) return;
-        const float factor = std::sqrt(limit_square / worst);
+        const float factor = std::sqrt(factor_square);
         uint16_t& lowered = orbits ? field_.orbit[n] : field_.gain[n];
         const auto value = static_cast<uint16_t>(static_cast<float>(lowered) * factor);
         lowered = orbits ? std::max(value, std::min(lowered, unit_node_orbit)) : value;
@@ -163,8 +252,10 @@ private:
     const LandArea& area_;
     std::span<const uint8_t> live_;
     const WaveBand& band_;
+    /// Blocks above the limit, their cells one after the other, and where in those a block's lie (-1: nowhere).
+    std::vector<Block> above_;
     std::vector<float> cells_;
-    std::vector<uint8_t> done_;
+    std::vector<int32_t> slot_;
 };
 
 }  // namespace
@@ -193,12 +284,12 @@ BandGrowth limit_growth(NodeField& field, const LandArea& area, std::span<const 
     const auto limit_square = static_cast<float>(allowed * allowed);
     if (limiter.measure(result.squared, false) > limit_square) {
         result.limited_cells = limiter.lower(result.squared, limit_square, false);
-        if (field.orbit.empty()) limiter.measure(result.squared, false);
+        if (field.orbit.empty()) limiter.measure_lowered(result.squared, false);
     }
     if (field.orbit.empty()) return result;
     if (limiter.measure(result.squared, true) > limit_square) {
         result.limited_cells += limiter.lower(result.squared, limit_square, true);
-        limiter.measure(result.squared, true);
+        limiter.measure_lowered(result.squared, true);
     }
     return result;
 }

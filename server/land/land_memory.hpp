@@ -14,6 +14,8 @@ namespace trochoid {
 /// What a band's trace leaves for the next one.
 struct BandMemory {
     std::vector<MarchCheckpoint> checkpoints;
+    /// BandGrid::tile_hashes.
+    std::vector<uint64_t> tile_hashes;
     /// BandGrowth::squared.
     std::vector<float> growth;
 };

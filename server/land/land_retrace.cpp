@@ -78,6 +78,9 @@ struct BandChange {
 bool restart_of(BandRestart& restart, const TraceInput& in, const BandView& view, const BandMemory& memory,
                 const std::vector<ChangedNode>& nodes, const BandGrid& frame) {
     const auto untouched = static_cast<float>(response_of(in, view.band).untouched());
+    const LandArea& area = *view.area;
+    restart.tile_hashes = memory.tile_hashes;
+    restart.blocks.assign(static_cast<size_t>(area.blocks_x) * static_cast<size_t>(area.blocks_z), 0);
     bool any = false;
     for (const ChangedNode& node : nodes) {
         if (node.depth >= untouched) continue;
@@ -86,6 +89,12 @@ bool restart_of(BandRestart& restart, const TraceInput& in, const BandView& view
         const double along = static_cast<double>(x) * view.band.dx + static_cast<double>(z) * view.band.dz;
         if (!any || along < restart.along) restart.along = along;
         any = true;
+        // A node on a border belongs to the blocks on both sides.
+        for (const int32_t bz : {(z - 1) / block_cells, z / block_cells})
+            for (const int32_t bx : {(x - 1) / block_cells, x / block_cells})
+                if (bx < area.blocks_x && bz < area.blocks_z)
+                    restart.blocks[static_cast<size_t>(bz) * static_cast<size_t>(area.blocks_x) +
+                                   static_cast<size_t>(bx)] = 1;
     }
     if (!any) return false;
     // A depth shows in the phase depths some nodes around and in the samples of the rows next to those.
@@ -106,15 +115,13 @@ bool same_water(const LandBlock* a, const LandBlock* b) {
 }
 
 void compare_blocks(BandChange& change, BandMemory& memory, const TraceInput& in, const BandView& view,
-                    const BandOutcome& outcome, const TraceWorkspace& work, const LandField* field,
-                    double along) {
+                    const BandOutcome& outcome, const TraceWorkspace& work, const LandField* field) {
     for (int32_t bz = 0; bz < in.area.blocks_z; ++bz) {
         for (int32_t bx = 0; bx < in.area.blocks_x; ++bx) {
-            const BlockOffset seen = block_in_area(view, bx, bz);
-            if (!block_reaches(view.band, seen.x, seen.z, along) || !block_touches(in.area, bx, bz, in.box))
-                continue;
-            ++change.compared;
             const size_t at = block_index(view, bx, bz);
+            if (!outcome.decided.empty() && outcome.decided[at] == 0) continue;
+            if (!block_touches(in.area, bx, bz, in.box)) continue;
+            ++change.compared;
             memory.growth[at] = outcome.touched ? outcome.growth.squared[at] : 1.0F;
             const BlockKey key{in.area.first.x + bx, in.area.first.z + bz};
             const bool live = outcome.touched && work.live[at] != 0;
@@ -144,7 +151,7 @@ BandChange retrace_band(const TraceInput& in, size_t index, const LandMemory& ol
     if (outcome.memory->growth.empty())
         outcome.memory->growth.assign(
             static_cast<size_t>(in.area.blocks_x) * static_cast<size_t>(in.area.blocks_z), 1.0F);
-    compare_blocks(change, *outcome.memory, in, view, outcome, work, old.fields[index].get(), restart.along);
+    compare_blocks(change, *outcome.memory, in, view, outcome, work, old.fields[index].get());
     change.memory = outcome.memory;
     return change;
 }
@@ -154,7 +161,7 @@ uint16_t largest_gain(const LandField& field, const LandArea& area) {
     for (int32_t z = area.first.z; z < area.first.z + area.blocks_z; ++z)
         for (int32_t x = area.first.x; x < area.first.x + area.blocks_x; ++x)
             if (const LandBlock* block = field.find({x, z}))
-                most = std::max(most, *std::max_element(block->gain.begin(), block->gain.end()));
+                for (const uint16_t gain : block->gain) most = std::max(most, gain);
     return most;
 }
 

@@ -31,7 +31,7 @@ struct RetraceStats {
 /// Traces a box whose land has changed while the sea runs (row A5): `old` is the trace of its predecessor over `before`, `successor` the
 /// same box over `after` (ids, times and phases may differ), and heights differ inside `changed` alone (with what the belt around
 /// the terrain makes of its border). Bands that the change does not touch keep their fields' ids; of the others only the rows
-/// from the change on are marched again, and `fields` holds, with consecutive ids from first_field, only the blocks that
+/// from the change on are marched again, only the blocks that the march then reaches with other values are decided again, and `fields` holds, with consecutive ids from first_field, only the blocks that
 /// differ, blocks that have become open water too; `overlays` tells over which old fields they lie (none: a band that was
 /// open water). gain_max, steepness growths and rays are the whole result's. Equal to a trace_land over `after`, bit for
 /// bit, where the overlay chain is followed.

@@ -3,7 +3,8 @@
 #include <algorithm>
 
 #include "protocol/model/arithmetic_rules.hpp"
-#include "server/land/bilinear.hpp"
+#include "server/land/plane_sampler.hpp"
+#include "server/land/wide_rows.hpp"
 
 namespace trochoid {
 
@@ -43,23 +44,37 @@ float presence(double metres_beyond, double run_out) {
     return static_cast<float>(1.0 - part * part * (3.0 - 2.0 * part));
 }
 
+TROCHOID_WIDE_ROWS void put_shifts(const float* __restrict turns, size_t count, int32_t* __restrict out) {
+    for (size_t i = 0; i < count; ++i) out[i] = node_shift(turns[i]);
+}
+
+TROCHOID_WIDE_ROWS void put_gains(const float* __restrict factors, size_t count, uint16_t* __restrict out) {
+    for (size_t i = 0; i < count; ++i) out[i] = node_factor(factors[i], unit_node_gain, negligible_gain);
+}
+
+TROCHOID_WIDE_ROWS void multiply(float* __restrict values, const float* __restrict by, size_t count) {
+    for (size_t i = 0; i < count; ++i) values[i] = by[i] * values[i];
+}
+
 /// One row of nodes after the other, in passes of which most run in vector registers.
 class RowFiller {
 public:
-    RowFiller(NodeField& field, const LandArea& area, std::span<const float> depths, const BandGrid& grid,
+    RowFiller(NodeField& field, const LandArea& area, std::span<const float> depths,
+              std::span<const float> tile_depths, std::span<const uint8_t> wanted, const BandGrid& grid,
               const DepthTable& table, const LandSettings& settings)
         : field_(field),
           area_(area),
           depths_(depths),
+          tile_depths_(tile_depths),
+          wanted_(wanted),
+          tiles_x_(static_cast<size_t>(area.nodes_x() - 1) / TileMarks::side + 1),
           grid_(grid),
           table_(table),
           run_out_(settings.run_out),
           shift_(static_cast<size_t>(area.nodes_x())),
           shelter_(shift_.size()),
           part_(shift_.size()),
-          growth_(shift_.size()),
-          most_(shift_.size()),
-          orbit_(shift_.size()) {
+          gain_(shift_.size()) {
         for (int32_t x = 0; x < area.nodes_x(); ++x) {
             const double metres =
                 beyond(static_cast<double>(x) * area.step(), area.belt_min_x, area.belt_max_x);
@@ -69,46 +84,90 @@ public:
     }
 
     void fill(int32_t z) {
+        if (!wanted_.empty()) {
+            const auto row =
+                wanted_.subspan(static_cast<size_t>(z >> TileMarks::side_log2) * tiles_x_, tiles_x_);
+            if (std::find(row.begin(), row.end(), uint8_t{1}) == row.end()) return;
+        }
         const int32_t nx = area_.nodes_x();
         const size_t start = static_cast<size_t>(z) * static_cast<size_t>(nx);
-        const IndexRange held = resample(z);
+        const ObliqueRow points = points_of(z);
+        IndexRange held{0, nx};
+        held = indices_inside(held, points.z, points.dz, int64_t{grid_.rows - grid_.first_row - 1} << 32);
+        held = indices_inside(held, points.x, points.dx, int64_t{grid_.columns - 1} << 32);
         open_water(start, {0, held.from});
         open_water(start, {held.to, nx});
         const double beyond_z =
             beyond(static_cast<double>(z) * area_.step(), area_.belt_min_z, area_.belt_max_z);
         const bool fades = beyond_z > 0.0 || any_beyond_x_;
-        if (fades) fade(held, beyond_z);
-        look_up(start, held);
-        if (!field_.orbit.empty()) put_orbits(start, held, fades);
-        put(start, held);
+        for (IndexRange run = first_run(held, points, z); run.from < held.to;
+             run = next_run(run, held, points, z)) {
+            const uint8_t marks = marks_of(run.from, points, z);
+            if (marks == unwanted) continue;
+            if (marks == 0) {
+                open_water(start, run);
+                continue;
+            }
+            resample(run, points, marks);
+            if (fades) fade(run, beyond_z);
+            look_up(start, run, marks);
+            if (!field_.orbit.empty()) put_orbits(start, run, fades);
+            put(start, run);
+        }
     }
 
 private:
-    /// Shift and shelter of the nodes that the grid holds.
-    IndexRange resample(int32_t z) {
-        const int64_t row_step = to_q32(grid_.dx / grid_.row_step);
-        const int64_t column_step = to_q32(-grid_.dz);
-        int64_t row =
-            to_q32(grid_.row_of(0.0, static_cast<double>(z)) - static_cast<double>(grid_.first_row));
-        int64_t column = to_q32(grid_.column_of(0.0, static_cast<double>(z)));
-        const int64_t rows = int64_t{grid_.rows - grid_.first_row - 1} << 32;
-        IndexRange held{0, area_.nodes_x()};
-        held = indices_inside(held, row, row_step, rows);
-        held = indices_inside(held, column, column_step, int64_t{grid_.columns - 1} << 32);
-        row += held.from * row_step;
-        column += held.from * column_step;
-        const auto columns = static_cast<size_t>(grid_.columns);
-        const float* const values = grid_.values.data();
-        float* const shift = shift_.data();
-        float* const shelter = shelter_.data();
-        for (int32_t x = held.from; x < held.to; ++x, row += row_step, column += column_step) {
-            const float* const near =
-                values + 2 * (static_cast<size_t>(row >> 32) * columns + static_cast<size_t>(column >> 32));
-            const ValuePair here = bilinear(near, near + 2 * columns, fraction_of(column), fraction_of(row));
-            shift[x] = here.first;
-            shelter[x] = here.second;
-        }
-        return held;
+    /// Beside those of the grid: the tile has nodes that depth changes, and such where waves may break.
+    static constexpr uint8_t grows = 4;
+    static constexpr uint8_t breaks = 8;
+    static constexpr uint8_t unwanted = 16;
+
+    /// The row's nodes on the grid.
+    ObliqueRow points_of(int32_t z) const {
+        return {to_q32(grid_.column_of(0.0, static_cast<double>(z))),
+                to_q32(grid_.row_of(0.0, static_cast<double>(z)) - static_cast<double>(grid_.first_row)),
+                to_q32(-grid_.dz), to_q32(grid_.dx / grid_.row_step)};
+    }
+
+    /// Of the nodes from x to the end of its tile.
+    uint8_t marks_of(int32_t x, const ObliqueRow& points, int32_t z) const {
+        const size_t tile = static_cast<size_t>(z >> TileMarks::side_log2) * tiles_x_ +
+                            static_cast<size_t>(x >> TileMarks::side_log2);
+        if (!wanted_.empty() && wanted_[tile] == 0) return unwanted;
+        const float depth = tile_depths_[tile];
+        uint8_t marks = 0;
+        if (depth < table_.untouched()) marks |= grows;
+        if (depth < table_.breaking()) marks |= breaks;
+        // Where rows are closer together than nodes, a tile's nodes reach farther than its marks.
+        if (grid_.row_step < 1.0) return marks | BandGrid::shifts | BandGrid::shelters;
+        return marks | grid_.marks.at(points.x_of(x), points.z_of(x));
+    }
+    IndexRange first_run(IndexRange held, const ObliqueRow& points, int32_t z) const {
+        return next_run({held.from, held.from}, held, points, z);
+    }
+    /// The tiles after a run that have the same marks.
+    IndexRange next_run(IndexRange before, IndexRange held, const ObliqueRow& points, int32_t z) const {
+        IndexRange run{before.to, before.to};
+        if (run.from >= held.to) return run;
+        const uint8_t marks = marks_of(run.from, points, z);
+        do run.to = (run.to / TileMarks::side + 1) * TileMarks::side;
+        while (run.to < held.to && marks_of(run.to, points, z) == marks);
+        run.to = std::min(run.to, held.to);
+        return run;
+    }
+
+    /// Shift and shelter of nodes that the grid holds.
+    void resample(IndexRange run, const ObliqueRow& points, uint8_t marks) {
+        if ((marks & (BandGrid::shifts | BandGrid::shelters)) != 0)
+            sampler_.place(points, run, static_cast<size_t>(grid_.columns));
+        if ((marks & BandGrid::shifts) != 0)
+            sampler_.sample(grid_.shift.data(), run, shift_.data());
+        else
+            std::fill(shift_.begin() + run.from, shift_.begin() + run.to, 0.0F);
+        if ((marks & BandGrid::shelters) != 0)
+            sampler_.sample(grid_.shelter.data(), run, shelter_.data());
+        else
+            std::fill(shelter_.begin() + run.from, shelter_.begin() + run.to, 1.0F);
     }
 
     void fade(IndexRange held, double beyond_z) {
@@ -121,38 +180,40 @@ private:
         }
     }
 
-    void look_up(size_t start, IndexRange held) {
-        const float untouched = table_.untouched();
-        for (int32_t at = held.from; at < held.to; ++at) {
-            const auto x = static_cast<size_t>(at);
-            const float depth = depths_[start + x];
-            FourFloats response{1.0F, 1.0F, 2.0F, 1.0F};
-            if (depth < untouched) response = depth > 0.0F ? table_.at(depth) : table_.land();
-            orbit_[x] = response[0];
-            growth_[x] = response[1];
-            most_[x] = response[2];
+    /// Gains: what arrives, grown, at most what breaking leaves.
+    void look_up(size_t start, IndexRange run, uint8_t marks) {
+        if ((marks & grows) == 0) {
+            std::copy(shelter_.begin() + run.from, shelter_.begin() + run.to, gain_.begin() + run.from);
+            return;
+        }
+        const auto from = static_cast<size_t>(run.from);
+        const auto count = static_cast<size_t>(run.to - run.from);
+        const float* const depths = depths_.data() + start + from;
+        table_.growths(depths, count, gain_.data() + from);
+        multiply(gain_.data() + from, shelter_.data() + from, count);
+        if ((marks & breaks) == 0) return;
+        for (size_t i = 0; i < count; ++i) {
+            if (depths[i] >= table_.breaking()) continue;
+            const float most = depths[i] > 0.0F ? table_.at(depths[i])[2] : 0.0F;
+            gain_[from + i] = std::min(gain_[from + i], most);
         }
     }
 
-    void put(size_t start, IndexRange held) {
-        const auto count = static_cast<size_t>(held.to - held.from);
-        const size_t from = static_cast<size_t>(held.from);
-        const float* const shift = shift_.data() + from;
-        const float* const shelter = shelter_.data() + from;
-        const float* const growth = growth_.data() + from;
-        const float* const most = most_.data() + from;
-        int32_t* const to_shift = field_.shift.data() + start + from;
-        uint16_t* const to_gain = field_.gain.data() + start + from;
-        for (size_t i = 0; i < count; ++i) to_shift[i] = node_shift(shift[i]);
-        for (size_t i = 0; i < count; ++i)
-            to_gain[i] =
-                node_factor(std::min(shelter[i] * growth[i], most[i]), unit_node_gain, negligible_gain);
+    void put(size_t start, IndexRange run) {
+        const auto from = static_cast<size_t>(run.from);
+        const auto count = static_cast<size_t>(run.to - run.from);
+        put_shifts(shift_.data() + from, count, field_.shift.data() + start + from);
+        put_gains(gain_.data() + from, count, field_.gain.data() + start + from);
     }
 
-    void put_orbits(size_t start, IndexRange held, bool fades) {
-        for (int32_t at = held.from; at < held.to; ++at) {
+    void put_orbits(size_t start, IndexRange run, bool fades) {
+        const float untouched = table_.untouched();
+        for (int32_t at = run.from; at < run.to; ++at) {
             const auto x = static_cast<size_t>(at);
-            const float orbit = fades ? 1.0F + (orbit_[x] - 1.0F) * part_[x] : orbit_[x];
+            const float depth = depths_[start + x];
+            float orbit = 1.0F;
+            if (depth < untouched) orbit = (depth > 0.0F ? table_.at(depth) : table_.land())[0];
+            if (fades) orbit = 1.0F + (orbit - 1.0F) * part_[x];
             field_.orbit[start + x] = node_factor(orbit, unit_node_orbit, negligible_orbit);
         }
     }
@@ -169,6 +230,9 @@ private:
     NodeField& field_;
     const LandArea& area_;
     std::span<const float> depths_;
+    std::span<const float> tile_depths_;
+    std::span<const uint8_t> wanted_;
+    size_t tiles_x_;
     const BandGrid& grid_;
     const DepthTable& table_;
     double run_out_;
@@ -177,19 +241,19 @@ private:
     std::vector<float> shift_;
     std::vector<float> shelter_;
     std::vector<float> part_;
-    std::vector<float> growth_;
-    std::vector<float> most_;
-    std::vector<float> orbit_;
+    std::vector<float> gain_;
+    PlaneSampler sampler_;
 };
 
 }  // namespace
 
 void fill_node_field(NodeField& field, const LandArea& area, std::span<const float> depths,
+                     std::span<const float> tile_depths, std::span<const uint8_t> wanted,
                      const BandGrid& grid, const DepthTable& table, const LandSettings& settings) {
     field.shift.resize(area.nodes());
     field.gain.resize(area.nodes());
     field.orbit.resize(settings.shallow_orbits ? area.nodes() : 0);
-    RowFiller filler(field, area, depths, grid, table, settings);
+    RowFiller filler(field, area, depths, tile_depths, wanted, grid, table, settings);
     for (int32_t z = 0; z < area.nodes_z(); ++z) filler.fill(z);
 }
 

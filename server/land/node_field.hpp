@@ -21,7 +21,9 @@ struct NodeField {
 /// The marched band at the nodes that the grid holds; all others read open water. Gain = shelter * growth, at most what breaking
 /// leaves, with the node's own depth: exactly 0 on land. Beyond the terrain's belt shift, shelter and orbit fade to the open
 /// sea's over the run-out. A node within 2^-10 turn and 2^-11 of gain of open water is open water.
+/// `tile_depths` are the depths' tile_minima; `wanted` tells which tiles are filled, the others keep what they hold (empty: all are).
 void fill_node_field(NodeField& field, const LandArea& area, std::span<const float> depths,
+                     std::span<const float> tile_depths, std::span<const uint8_t> wanted,
                      const BandGrid& grid, const DepthTable& table, const LandSettings& settings);
 
 /// First node of a block in an area.

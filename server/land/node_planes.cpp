@@ -10,7 +10,7 @@ namespace {
 
 /// One binomial pass (1 2 1) / 4 along both axes; the outermost nodes repeat. Written as differences so that equal values
 /// stay exactly equal, and alike from both sides.
-void smooth_once(std::vector<float>& values, std::vector<float>& temporary, size_t nx, size_t nz) {
+void smooth_once(std::span<float> values, std::vector<float>& temporary, size_t nx, size_t nz) {
     temporary.resize(2 * nx);
     float* const before = temporary.data();
     float* const here = before + nx;
@@ -34,39 +34,65 @@ void smooth_once(std::vector<float>& values, std::vector<float>& temporary, size
     }
 }
 
-/// One row of nodes; tells the first and last that are touched (from > to: none).
-struct Touched {
-    int32_t from;
-    int32_t to;
-};
+/// One row of nodes after the other, tile by tile.
+class RowPlanes {
+public:
+    RowPlanes(NodePlanes& planes, std::span<const float> depths, int32_t nx, float open,
+              const DepthTable& table, bool straight)
+        : planes_(planes), depths_(depths), nx_(nx), open_(open), table_(table), straight_(straight) {}
 
-Touched fill_row(float* pairs, const float* depths, const float* smooth, int32_t nx, float open,
-                 const DepthTable& table, bool straight) {
-    Touched touched{nx, -1};
-    const float deep = table.deep();
-    const float untouched = table.untouched();
-    const float on_land = straight ? open : open * table.land()[0];
-    for (int32_t x = 0; x < nx; ++x) {
-        const float depth = depths[x];
-        const float phase_depth = smooth[x];
-        float wave_number = open;
-        float limit = 1.0F;
-        if (phase_depth < deep || depth < untouched) {
-            touched.from = std::min(touched.from, x);
-            touched.to = x;
-            if (phase_depth < deep) wave_number = open * table.at(phase_depth)[0];
-            if (depth <= 0.0F) {
-                limit = 0.0F;
-                if (straight) wave_number = on_land;
-            } else if (depth < untouched) {
-                limit = table.at(depth)[3];
-            }
+    void fill(int32_t z) const {
+        const size_t row = static_cast<size_t>(z) * static_cast<size_t>(nx_);
+        for (int32_t x = 0; x < nx_;) {
+            const uint8_t marks = planes_.marks.at(x, z);
+            int32_t to = x + TileMarks::side;
+            while (to < nx_ && planes_.marks.at(to, z) == marks) to += TileMarks::side;
+            to = std::min(to, nx_);
+            fill(row + static_cast<size_t>(x), static_cast<size_t>(to - x), marks);
+            x = to;
         }
-        pairs[2 * x] = wave_number;
-        pairs[2 * x + 1] = limit;
     }
-    return touched;
-}
+    /// The westernmost or easternmost node of the row that is touched; -1: none.
+    int32_t touched(int32_t z, bool westernmost) const {
+        const size_t row = static_cast<size_t>(z) * static_cast<size_t>(nx_);
+        for (int32_t i = 0; i < nx_;) {
+            const int32_t x = westernmost ? i : nx_ - 1 - i;
+            if (planes_.marks.at(x, z) == 0) {
+                i += westernmost ? TileMarks::side - x % TileMarks::side : x % TileMarks::side + 1;
+                continue;
+            }
+            const size_t n = row + static_cast<size_t>(x);
+            if (planes_.smooth[n] < table_.deep() || depths_[n] < table_.untouched()) return x;
+            ++i;
+        }
+        return -1;
+    }
+
+private:
+    void fill(size_t n, size_t count, uint8_t marks) const {
+        float* const wave_numbers = planes_.wave_numbers.data() + n;
+        float* const limits = planes_.limits.data() + n;
+        if ((marks & NodePlanes::bends) != 0)
+            table_.wave_numbers(planes_.smooth.data() + n, count, open_, wave_numbers);
+        else
+            std::fill_n(wave_numbers, count, open_);
+        std::fill_n(limits, count, 1.0F);
+        if ((marks & NodePlanes::breaks) == 0) return;
+        for (size_t i = 0; i < count; ++i) {
+            const float depth = depths_[n + i];
+            if (depth >= table_.breaking()) continue;
+            limits[i] = depth > 0.0F ? table_.at(depth)[3] : 0.0F;
+            if (straight_ && depth <= 0.0F) wave_numbers[i] = open_;
+        }
+    }
+
+    NodePlanes& planes_;
+    std::span<const float> depths_;
+    int32_t nx_;
+    float open_;
+    const DepthTable& table_;
+    bool straight_;
+};
 
 }  // namespace
 
@@ -77,33 +103,47 @@ int32_t phase_depth_passes(const LandArea& area, const WaveBand& band) {
 }
 
 void phase_depths(std::vector<float>& smooth, std::vector<float>& row, const LandArea& area,
-                  std::span<const float> depths, const WaveBand& band, const DepthTable& table) {
+                  std::span<const float> depths, NodeRows rows, const WaveBand& band,
+                  const DepthTable& table) {
     smooth.resize(depths.size());
     const float shallowest = table.shallowest();
     const float deep = table.deep();
-    for (size_t n = 0; n < depths.size(); ++n) smooth[n] = std::min(std::max(depths[n], shallowest), deep);
     const int32_t passes = phase_depth_passes(area, band);
-    for (int32_t pass = 0; pass < passes; ++pass)
-        smooth_once(smooth, row, static_cast<size_t>(area.nodes_x()), static_cast<size_t>(area.nodes_z()));
+    const auto nx = static_cast<size_t>(area.nodes_x());
+    // Every pass spoils one row more from the ends inwards.
+    const auto from = static_cast<size_t>(std::max(rows.from - passes, 0));
+    const auto to = static_cast<size_t>(std::min(rows.to + passes, area.nodes_z()));
+    for (size_t n = from * nx; n < to * nx; ++n) smooth[n] = std::min(std::max(depths[n], shallowest), deep);
+    const std::span<float> part(smooth.data() + from * nx, (to - from) * nx);
+    for (int32_t pass = 0; pass < passes; ++pass) smooth_once(part, row, nx, to - from);
 }
 
 void fill_node_planes(NodePlanes& planes, const LandArea& area, std::span<const float> depths,
-                      const WaveBand& band, const DepthTable& table, bool straight) {
-    phase_depths(planes.smooth, planes.row, area, depths, band, table);
-    planes.pairs.resize(2 * depths.size());
+                      std::span<const float> tile_depths, NodeRows filled, const WaveBand& band,
+                      const DepthTable& table, bool straight) {
+    phase_depths(planes.smooth, planes.row, area, depths, filled, band, table);
+    planes.wave_numbers.resize(depths.size());
+    planes.limits.resize(depths.size());
     planes.touched = false;
+    planes.marks.reset(area.nodes_x(), area.nodes_z());
+    const std::span<uint8_t> tiles = planes.marks.tiles();
+    for (size_t tile = 0; tile < tiles.size(); ++tile) {
+        if (tile_depths[tile] < table.untouched()) tiles[tile] |= NodePlanes::bends;
+        if (tile_depths[tile] < table.breaking()) tiles[tile] |= NodePlanes::breaks;
+    }
+    // Phase depths reach at most 8 nodes.
+    planes.marks.spread(NodePlanes::bends);
     const auto open = static_cast<float>(band.turns_per_metre * area.step());
-    const int32_t nx = area.nodes_x();
-    for (int32_t z = 0; z < area.nodes_z(); ++z) {
-        const size_t n = static_cast<size_t>(z) * static_cast<size_t>(nx);
-        const Touched row = fill_row(planes.pairs.data() + 2 * n, depths.data() + n, planes.smooth.data() + n,
-                                     nx, open, table, straight);
-        if (row.from > row.to) continue;
-        const int32_t nearest = band.dx >= 0.0 ? row.from : row.to;
+    const RowPlanes rows(planes, depths, area.nodes_x(), open, table, straight);
+    for (int32_t z = filled.from; z < filled.to; ++z) {
+        rows.fill(z);
+        const int32_t nearest = rows.touched(z, band.dx >= 0.0);
+        if (nearest < 0) continue;
         const double along = static_cast<double>(nearest) * band.dx + static_cast<double>(z) * band.dz;
         if (!planes.touched || along < planes.first_along) planes.first_along = along;
         planes.touched = true;
     }
+    planes.marks.spread(NodePlanes::bends | NodePlanes::breaks);
 }
 
 }  // namespace trochoid

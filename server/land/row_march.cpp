@@ -105,7 +105,7 @@ void PhaseMarch::advance(const MarchRow& wave_numbers) {
 }
 
 /// Upwind (Godunov) differences, second order by ENO, of a Hamilton-Jacobi equation that is convex in the slope: the first arrival wins.
-void PhaseMarch::eikonal_step(float step) {
+TROCHOID_WIDE_ROWS void PhaseMarch::eikonal_step(float step) {
     const size_t last = shift_.size() - 1;
     const float* const s = shift_.data();
     const float* const k = middle_.data();
@@ -129,7 +129,7 @@ void PhaseMarch::eikonal_step(float step) {
 
 /// Diffusion across the travel direction with variance crest_spread * wave length * distance, of ridges of the shift alone: there
 /// crests meet that came round from two sides. Elsewhere bends are refraction, and untouched water stays untouched.
-void PhaseMarch::spread_crests() {
+TROCHOID_WIDE_ROWS void PhaseMarch::spread_crests() {
     const size_t last = shift_.size() - 1;
     for (int pass = 0; pass < spread_passes_; ++pass) {
         const float* const s = shift_.data();
@@ -144,7 +144,7 @@ void PhaseMarch::spread_crests() {
 }
 
 /// Cuts peaks so that neighbours hardly differ by more than the limit: waves that come round from the side arrive first.
-void PhaseMarch::limit_slopes() {
+TROCHOID_WIDE_ROWS void PhaseMarch::limit_slopes() {
     const size_t last = shift_.size() - 1;
     const float* const s = shift_.data();
     const float* const limit = slope_limit_.data();
@@ -212,7 +212,7 @@ void ShelterMarch::advance(const MarchRow& limits) {
     copy_ends(shelter_);
 }
 
-void ShelterMarch::step_direction(size_t direction, const MarchRow& limits) {
+TROCHOID_WIDE_ROWS void ShelterMarch::step_direction(size_t direction, const MarchRow& limits) {
     const size_t last = shelter_.size() - 1;
     const float from_left = leak_ + std::max(drift_[direction], 0.0F);
     const float from_right = leak_ + std::max(-drift_[direction], 0.0F);
@@ -228,7 +228,7 @@ void ShelterMarch::step_direction(size_t direction, const MarchRow& limits) {
 }
 
 /// Root of the directions' mean energy; pairs of mirrored directions first.
-void ShelterMarch::advance_wedge(const MarchRow& limits) {
+TROCHOID_WIDE_ROWS void ShelterMarch::advance_wedge(const MarchRow& limits) {
     const size_t last = shelter_.size() - 1;
     for (size_t d = 0; d < directions; ++d) step_direction(d, limits);
     const auto row = [&](size_t d) { return share_[d].data(); };
@@ -249,7 +249,7 @@ void ShelterMarch::advance_wedge(const MarchRow& limits) {
     }
 }
 
-void ShelterMarch::turn_real(float by) {
+TROCHOID_WIDE_ROWS void ShelterMarch::turn_real(float by) {
     const size_t last = shelter_.size() - 1;
     float* const r = share_[0].data();
     const float* const i = share_[1].data();
@@ -257,7 +257,7 @@ void ShelterMarch::turn_real(float by) {
     copy_ends(share_[0]);
 }
 
-void ShelterMarch::turn_imaginary(float by) {
+TROCHOID_WIDE_ROWS void ShelterMarch::turn_imaginary(float by) {
     const size_t last = shelter_.size() - 1;
     const float* const r = share_[0].data();
     float* const i = share_[1].data();
@@ -268,7 +268,7 @@ void ShelterMarch::turn_imaginary(float by) {
 /// Leapfrog of real and imaginary part (half, whole, half), some leak against ripples that nodes cannot carry, recovery towards the
 /// open sea's wave (86 % over LandSettings::recovery; the height alone must not grow, or what comes round a corner would meet
 /// it out of step), then what the depth allows.
-void ShelterMarch::advance_parabolic(const MarchRow& limits) {
+TROCHOID_WIDE_ROWS void ShelterMarch::advance_parabolic(const MarchRow& limits) {
     for (int step = 0; step < parabolic_steps_; ++step) {
         turn_real(0.5F * parabolic_turn_);
         turn_imaginary(parabolic_turn_);

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "server/land/land_settings.hpp"
+#include "server/land/wide_rows.hpp"
 
 namespace trochoid {
 
@@ -28,9 +29,9 @@ public:
     const float* load(const float* state);
 
 private:
-    void eikonal_step(float step);
-    void spread_crests();
-    void limit_slopes();
+    TROCHOID_WIDE_ROWS void eikonal_step(float step);
+    TROCHOID_WIDE_ROWS void spread_crests();
+    TROCHOID_WIDE_ROWS void limit_slopes();
 
     Refraction refraction_;
     float turn_limit_;
@@ -66,11 +67,11 @@ public:
 
 private:
     static constexpr size_t directions = 7;
-    void advance_wedge(const MarchRow& limits);
-    void step_direction(size_t direction, const MarchRow& limits);
-    void advance_parabolic(const MarchRow& limits);
-    void turn_real(float by);
-    void turn_imaginary(float by);
+    TROCHOID_WIDE_ROWS void advance_wedge(const MarchRow& limits);
+    TROCHOID_WIDE_ROWS void step_direction(size_t direction, const MarchRow& limits);
+    TROCHOID_WIDE_ROWS void advance_parabolic(const MarchRow& limits);
+    TROCHOID_WIDE_ROWS void turn_real(float by);
+    TROCHOID_WIDE_ROWS void turn_imaginary(float by);
 
     Diffraction diffraction_;
     float recovered_per_row_;

@@ -3,9 +3,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
+#include <span>
 #include <vector>
 
 #include "protocol/model/arithmetic_rules.hpp"
+#include "server/event/wind_limits.hpp"
 #include "server/world/dispersion.hpp"
 
 namespace trochoid {
@@ -26,20 +29,46 @@ struct Vector {
     double x = 0.0, z = 0.0;
 };
 
-Rectangle rectangle_of(const WaveTrainBox& box) {
-    Rectangle r;
+/// A box as it moves.
+struct Mover {
+    Rectangle shape;
+    Vector to_middle;                   // from the corner u = v = 0, metres
+    LatticePoint corner;                // where it lies still
+    std::span<const CourseLeg> course;  // empty: it does
+
+    Vector centre_at(SeaTime t) const {
+        const LatticePoint from = course.empty() ? corner : corner_at(course, t);
+        return {to_metres(from.x) + to_middle.x, to_metres(from.z) + to_middle.z};
+    }
+};
+
+Mover mover_of(const WaveTrainBox& box) {
+    Mover m;
+    Rectangle& r = m.shape;
     r.ux = static_cast<double>(box.ux) * 0x1p-30;
     r.uz = static_cast<double>(box.uz) * 0x1p-30;
     r.half_u = box.length == 0 ? unlimited : to_metres(box.length) / 2.0;
     r.half_v = box.width == 0 ? unlimited : to_metres(box.width) / 2.0;
-    return r;
-}
-
-Vector centre_of(const WaveTrainBox& box, const Rectangle& r, SeaTime t) {
-    const LatticePoint corner = box.course.empty() ? box.origin : corner_at(box.course, t);
     const double u = box.length == 0 ? 0.0 : r.half_u;
     const double v = box.width == 0 ? 0.0 : r.half_v;
-    return {to_metres(corner.x) + u * r.ux - v * r.uz, to_metres(corner.z) + u * r.uz + v * r.ux};
+    m.to_middle = {u * r.ux - v * r.uz, u * r.uz + v * r.ux};
+    m.corner = box.origin;
+    m.course = box.course;
+    return m;
+}
+
+/// All that the box can reach from where it is at `from`, however it is steered until then.
+Mover reach_of(const WaveTrainBox& box, SeaTime from, SeaTime until) {
+    Mover m = mover_of(box);
+    if (!steerable(box)) return m;
+    // A part in a thousand more for the rounding of courses.
+    const double metres =
+        1.001 * static_cast<double>(fastest_storm) * 1e-6 * static_cast<double>(until - from);
+    m.corner = corner_at(box.course, from);
+    m.course = {};
+    m.shape.half_u += metres;
+    m.shape.half_v += metres;
+    return m;
 }
 
 /// Whether the axis (ax, az) parts the rectangles while b's centre goes evenly from a's by `first` to `last`.
@@ -64,15 +93,30 @@ bool meet(const Rectangle& a, const Rectangle& b, Vector first, Vector last) {
 }
 
 /// Moments within (from, until) at which one of the boxes changes its velocity, with both ends, ascending.
-std::vector<SeaTime> turning_points(const WaveTrainBox& a, const WaveTrainBox& b, SeaTime from,
-                                    SeaTime until) {
+std::vector<SeaTime> turning_points(const Mover& a, const Mover& b, SeaTime from, SeaTime until) {
     std::vector<SeaTime> times{from, until};
-    for (const WaveTrainBox* box : {&a, &b})
+    for (const Mover* box : {&a, &b})
         for (const CourseLeg& leg : box->course)
             for (const SeaTime t : {leg.from, leg.from + leg.duration_us})
                 if (from < t && t < until) times.push_back(t);
     std::sort(times.begin(), times.end());
     return times;
+}
+
+/// Whether they touch within [from, until).
+bool meet_between(const Mover& a, const Mover& b, SeaTime from, SeaTime until) {
+    const auto apart = [&](SeaTime t) {
+        const Vector ca = a.centre_at(t);
+        const Vector cb = b.centre_at(t);
+        return Vector{cb.x - ca.x, cb.z - ca.z};
+    };
+    if (a.course.empty() && b.course.empty()) return meet(a.shape, b.shape, apart(from), apart(from));
+    const std::vector<SeaTime> times = turning_points(a, b, from, until);
+    // The last microsecond before a turn: the next leg may begin elsewhere.
+    for (size_t i = 0; i + 1 < times.size(); ++i)
+        if (times[i] < times[i + 1] && meet(a.shape, b.shape, apart(times[i]), apart(times[i + 1] - 1)))
+            return true;
+    return false;
 }
 
 /// Largest |k'| over |k| of round waves (round_wave.hpp): at the box's sides the phase leans by `share` k across.
@@ -113,24 +157,6 @@ double steepness_of(const ShipWake& wake) {
             static_cast<double>(wake.diverging) * diverging);
 }
 
-/// Steepness that the others leave; of a box and the one that took its place the steeper counts.
-double left_by(const WaveTrainBox& box, BoxId predecessor, std::span<const SteepBox> others) {
-    const auto counts = [&](const SteepBox& other) {
-        return other.box->id != box.id && other.box->id != predecessor && may_overlap(box, *other.box);
-    };
-    const auto steepness = [](const SteepBox& other) { return steepness_of(*other.box) * other.land_growth; };
-    double left = steepness_limit;
-    for (const SteepBox& other : others) {
-        if (!counts(other)) continue;
-        left -= steepness(other);
-        if (other.predecessor.value == 0) continue;
-        for (const SteepBox& before : others)
-            if (before.box->id == other.predecessor && counts(before))
-                left += std::min(steepness(before), steepness(other));
-    }
-    return std::max(left, 0.0);
-}
-
 void limit_to(WaveTrainBox& box, double land_growth, double allowed) {
     const double asked = steepness_of(box) * land_growth;
     if (asked <= allowed) return;
@@ -145,23 +171,18 @@ void limit_to(WaveTrainBox& box, double land_growth, double allowed) {
 
 bool steerable(const WaveTrainBox& box) { return !box.course.empty() && !has_wake(box.wake); }
 
-bool may_overlap(const WaveTrainBox& a, const WaveTrainBox& b) {
+bool may_overlap(const WaveTrainBox& a, const WaveTrainBox& b, SeaTime settled) {
     const SeaTime from = std::max(a.begin, b.begin);
     const SeaTime until = std::min(a.end + a.decay_us, b.end + b.decay_us);
     if (!(from < until)) return false;
-    if (steerable(a) || steerable(b)) return true;
-    const Rectangle ra = rectangle_of(a);
-    const Rectangle rb = rectangle_of(b);
-    const auto apart = [&](SeaTime t) {
-        const Vector ca = centre_of(a, ra, t);
-        const Vector cb = centre_of(b, rb, t);
-        return Vector{cb.x - ca.x, cb.z - ca.z};
+    const bool free = steerable(a) || steerable(b);
+    const SeaTime known = free ? std::clamp(settled, from, until) : until;
+    if (from < known && meet_between(mover_of(a), mover_of(b), from, known)) return true;
+    // A box that began before the other may have been steered before they are both there.
+    const auto loose = [&](const WaveTrainBox& box) {
+        return reach_of(box, std::min(std::max(settled, box.begin), known), until);
     };
-    const std::vector<SeaTime> times = turning_points(a, b, from, until);
-    // The last microsecond before a turn: the next leg may begin elsewhere.
-    for (size_t i = 0; i + 1 < times.size(); ++i)
-        if (times[i] < times[i + 1] && meet(ra, rb, apart(times[i]), apart(times[i + 1] - 1))) return true;
-    return false;
+    return known < until && meet_between(loose(a), loose(b), known, until);
 }
 
 double steepness_of(const WaveTrainBox& box) {
@@ -175,13 +196,41 @@ double steepness_of(const WaveTrainBox& box) {
     return sum * (1.0 + static_cast<double>(box.irregular.share) / static_cast<double>(full_irregularity));
 }
 
-void limit_steepness(WaveTrainBox& box, double land_growth, std::span<const SteepBox> others) {
-    limit_to(box, land_growth, left_by(box, {}, others) * steepness_share);
+SteepCrowd::SteepCrowd(std::span<const SteepBox> boxes, SeaTime settled) : settled_(settled) {
+    std::map<BoxId, size_t> place;
+    for (size_t i = 0; i < boxes.size(); ++i) place.emplace(boxes[i].box->id, i);
+    members_.reserve(boxes.size());
+    for (const SteepBox& next : boxes) {
+        const auto before = next.predecessor.value == 0 ? place.end() : place.find(next.predecessor);
+        members_.push_back({next.box, steepness_of(*next.box) * next.land_growth,
+                            before == place.end() ? members_.size() : before->second});
+    }
 }
 
-void limit_successor(WaveTrainBox& box, BoxId predecessor, double land_growth,
-                     std::span<const SteepBox> others) {
-    limit_to(box, land_growth, left_by(box, predecessor, others));
+double SteepCrowd::left_to(const WaveTrainBox& box, BoxId predecessor) const {
+    std::vector<uint8_t> counts(members_.size());
+    for (size_t i = 0; i < members_.size(); ++i) {
+        const WaveTrainBox& other = *members_[i].box;
+        counts[i] =
+            other.id != box.id && other.id != predecessor && may_overlap(box, other, settled_) ? 1 : 0;
+    }
+    double left = steepness_limit;
+    for (size_t i = 0; i < members_.size(); ++i) {
+        if (counts[i] == 0) continue;
+        const Member& other = members_[i];
+        left -= other.steepness;
+        if (other.predecessor != i && counts[other.predecessor] != 0)
+            left += std::min(members_[other.predecessor].steepness, other.steepness);
+    }
+    return std::max(left, 0.0);
+}
+
+void limit_steepness(WaveTrainBox& box, double land_growth, const SteepCrowd& crowd) {
+    limit_to(box, land_growth, crowd.left_to(box) * steepness_share);
+}
+
+void limit_successor(WaveTrainBox& box, BoxId predecessor, double land_growth, const SteepCrowd& crowd) {
+    limit_to(box, land_growth, crowd.left_to(box, predecessor));
 }
 
 }  // namespace trochoid

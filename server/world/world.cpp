@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <map>
 #include <utility>
 
 #include "protocol/model/round_wave.hpp"
@@ -11,6 +12,7 @@
 #include "server/event/event_log.hpp"
 #include "server/event/wind_limits.hpp"
 #include "server/world/box_steering.hpp"
+#include "server/world/effective_time.hpp"
 #include "server/world/ship_box.hpp"
 #include "server/world/steepness.hpp"
 #include "server/world/terrain_edit.hpp"
@@ -63,11 +65,16 @@ Result<Done> afloat(const TerrainGrid* terrain, LatticePoint at) {
                     to_metres(at.x), to_metres(at.z), to_metres(ground))};
 }
 
-/// Who took the box's place when the land changed; none (0).
-BoxId successor_in(const WorldState& state, BoxId box) {
-    for (const auto& [id, other] : state.boxes)
-        if (other->predecessor == box) return id;
-    return {};
+/// Whether a ship of that name sails at any time within [begin, end): then none could tell which one is meant. Winds may share names:
+/// those are labels, and a wind's successors keep its name.
+std::shared_ptr<const WorldBox> ship_named(const WorldState& state, const std::string& name, SeaTime begin,
+                                           SeaTime end) {
+    for (const auto& [id, box] : state.boxes) {
+        const WaveTrainBox& record = box->sea->record;
+        if (has_wake(record.wake) && box->name == name && record.begin < end && begin < record.end)
+            return box;
+    }
+    return nullptr;
 }
 
 }  // namespace
@@ -100,8 +107,24 @@ Result<Done> World::has_room(SeaTime begin, size_t boxes) const {
             state_->boxes.size(), still)};
 }
 
+// Courses are settled up to now, as every plan is carried out later; before the first command none has been steered.
+SteepCrowd World::crowd(std::span<const SteepBox> boxes) const {
+    return SteepCrowd(boxes, present_ == end_of_time ? state_->clock.start : present_);
+}
+
+// All of them are steeper over their new land, if any is.
+SteepCrowd World::crowd_over(std::span<const Retraced> touched) const {
+    std::map<BoxId, const TracedLand*> land;
+    for (const Retraced& next : touched) land.emplace(next.box, &next.land);
+    std::vector<SteepBox> boxes = steep_boxes(*state_);
+    for (SteepBox& box : boxes)
+        if (const auto next = land.find(box.box->id); next != land.end())
+            box.land_growth = std::max(box.land_growth, growth_of(*box.box, *next->second));
+    return crowd(boxes);
+}
+
 Result<BoxStarted> World::admit(WaveTrainBox box, std::string name, const StartWind& wind) const {
-    limit_steepness(box, state_->terrain ? expected_land_growth : 1.0, steep_boxes(*state_));
+    limit_steepness(box, state_->terrain ? expected_land_growth : 1.0, crowd(steep_boxes(*state_)));
     // What a plan's own checks let through must not end a running world.
     if (const auto ok = validate(box); !ok) return ok.error();
     if (name.empty()) name = fmt::format("{} {}", has_wake(box.wake) ? "ship" : "wind", box.id.value);
@@ -144,6 +167,10 @@ Result<BoxStarted> World::plan(const StartShip& ship, SeaTime begin) const {
     auto started = plan_course(ship, begin);
     if (!started) return started;
     if (auto ok = afloat(state_->terrain.get(), ship.at); !ok) return ok.error();
+    if (const auto other = ship_named(*state_, started->name, started->box.begin, started->box.end))
+        return Error{ErrorCode::value_out_of_range,
+                     fmt::format("a ship named '{}' sails already, as box {}: give another name, or stop her",
+                                 started->name, other->sea->record.id.value)};
     return started;
 }
 
@@ -158,7 +185,7 @@ Result<BoxStarted> World::plan_course(const StartShip& ship, SeaTime begin) cons
 BoxStarted World::fit_to_land(BoxStarted planned, const TracedLand& land) const {
     if (!state_->terrain) return planned;
     limit_steepness(planned.box, std::max(growth_of(planned.box, land), expected_land_growth),
-                    steep_boxes(*state_));
+                    crowd(steep_boxes(*state_)));
     return planned;
 }
 
@@ -167,15 +194,16 @@ Result<std::shared_ptr<const WorldBox>> World::going_on(BoxId box, SeaTime effec
     const auto found = state_->boxes.find(box);
     if (found == state_->boxes.end())
         return Error{ErrorCode::unknown_box, fmt::format("there is no box {}: ask for the list", box.value)};
-    if (const BoxId successor = successor_in(*state_, box); successor.value != 0)
+    const BoxId successor = found->second->successor;
+    if (state_->boxes.contains(successor))
         return Error{ErrorCode::already_ending,
                      fmt::format("box {} goes on as box {} since the land changed: name that one", box.value,
                                  successor.value)};
     const WaveTrainBox& record = found->second->sea->record;
     if (std::max(effective, record.begin) < record.end) return found->second;
     return Error{ErrorCode::already_ending,
-                 fmt::format("box {} decays from {} us on: it needs no stop and takes no course", box.value,
-                             record.end.us)};
+                 fmt::format("box {} decays from sea time {} on: it needs no stop and takes no course",
+                             box.value, text_of(record.end))};
 }
 
 Result<BoxEnding> World::plan(const StopWind& stop, SeaTime effective) const {
@@ -250,12 +278,7 @@ Result<LandChanged> World::plan(const ChangeLand& change, SeaTime effective,
     TROCHOID_ASSERT(effective >= land_settled(), "the land changes at {} us, before it has settled",
                     effective.us);
     if (auto ok = has_room(effective, touched.size()); !ok) return ok.error();
-    // All of them are steeper over their new land, if any is.
-    std::vector<SteepBox> others = steep_boxes(*state_);
-    for (SteepBox& other : others)
-        for (const Retraced& next : touched)
-            if (next.box == other.box->id)
-                other.land_growth = std::max(other.land_growth, growth_of(*other.box, next.land));
+    const SteepCrowd others = crowd_over(touched);
     LandChanged event{change, {}};
     NewIds ids = new_ids();
     for (const Retraced& next : touched) {

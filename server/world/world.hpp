@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "server/event/scene.hpp"
+#include "server/world/steepness.hpp"
 #include "server/world/traced_land.hpp"
 #include "server/world/wind_box.hpp"
 #include "server/world/world_state.hpp"
@@ -66,7 +67,8 @@ public:
     Result<BoxStarted> plan(const SceneWind& wind) const;
     /// The same for a hand-written box (row A1).
     Result<BoxStarted> plan(const SceneBox& box) const;
-    /// The box of a ship's first course (rows A12, B11), which begins on water. An empty name becomes "ship N".
+    /// The box of a ship's first course (rows A12, B11), which begins on water. An empty name becomes "ship N"; one that a ship under
+    /// way has is refused. Errors: value_out_of_range, too_many_boxes.
     Result<BoxStarted> plan(const StartShip& ship, SeaTime begin) const;
     /// A planned box after its land is known: lowers the choppiness where the land steepens waves by more than
     /// expected_land_growth. Between tracing and appending.
@@ -108,6 +110,8 @@ private:
     Result<std::shared_ptr<const WorldBox>> going_on(BoxId box, SeaTime effective) const;
     Result<BoxStarted> plan_course(const StartShip& ship, SeaTime begin) const;
     Result<Steering> steer_ship(const WorldBox& ship, const Steer& steer, SeaTime effective) const;
+    SteepCrowd crowd(std::span<const SteepBox> boxes) const;
+    SteepCrowd crowd_over(std::span<const Retraced> touched) const;
     Result<BoxStarted> admit(WaveTrainBox box, std::string name, const StartWind& wind) const;
     NewIds new_ids() const { return {{state_->next_box}, {state_->next_train}}; }
 

@@ -59,8 +59,9 @@ WaveTrainBox join(const WaveTrainBox& planned, const TracedLand& land, uint32_t 
     return record;
 }
 
-std::shared_ptr<const WorldBox> with_record(const WorldBox& box, WaveTrainBox record) {
+std::shared_ptr<const WorldBox> with_record(const WorldBox& box, WaveTrainBox record, BoxId successor = {}) {
     auto changed = std::make_shared<WorldBox>(box);
+    if (successor.value != 0) changed->successor = successor;
     changed->sea = prepare(std::move(record), fields_with_bases(*box.sea));
     return changed;
 }
@@ -162,7 +163,7 @@ void take(WorldState& state, const LandChanged& event, Derived derived) {
                         record.begin.us, record.end.us, next.box.begin.us);
         record.end = next.box.begin;
         record.decay_us = next.box.fade_us;
-        place->second = with_record(*old, std::move(record));
+        place->second = with_record(*old, std::move(record), next.box.id);
         auto box = std::make_shared<WorldBox>();
         box->name = old->name;
         box->wind = old->wind;

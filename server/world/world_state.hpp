@@ -23,6 +23,7 @@ struct WorldBox {
     std::shared_ptr<const LandMemory> land_memory;  ///< for tracing it again; no part of the state's value
     double land_growth = 1.0;  ///< how much steeper land makes it at most, for the steepness guard
     BoxId predecessor;         ///< the box whose place this one took when the land changed; none (0)
+    BoxId successor;           ///< the box that took this one's place then; none (0)
 };
 
 /// The world after some prefix of the log: an immutable value that a tick, a cull or a query reads without locks.

@@ -18,13 +18,13 @@ MOVES = re.compile(r"v?(mov|broadcast|pbroadcast)")
 
 
 def instructions(target):
-    """The function that sums a grid's rows with normals (parts 15) on a target: (address, mnemonic, operands) each."""
+    """The function that sums a grid's rows with normals (parts 15) at unit gain on a target: (address, mnemonic, operands) each."""
     found, inside = [], False
     text = subprocess.run(["objdump", "-dC", "--no-show-raw-insn", str(PROGRAM)], capture_output=True, text=True,
                           check=True).stdout
     for line in text.splitlines():
         if line.endswith(">:"):
-            inside = f"trochoid::simd::N_{target}::sum_row<15>" in line
+            inside = f" trochoid::simd::N_{target}::sum_fast<15, true," in line
         elif inside and (match := re.match(r"\s*([0-9a-f]+):\s+(\S+)\s*(.*)", line)):
             found.append((int(match[1], 16), match[2], match[3]))
     return found

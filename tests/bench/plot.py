@@ -1,16 +1,45 @@
-"""Draws a benchmark's curves; matplotlib is needed only here."""
+"""Draws a benchmark's curves and bars; matplotlib is needed only here."""
 
 
 def check(fail):
     try:
         import matplotlib
     except ImportError:
-        fail("--plot needs matplotlib: docker/dependencies.sh --group all installs it (python3-matplotlib)")
+        fail("drawing needs matplotlib in /usr/bin/python3: docker/dependencies.sh --group all installs it (python3-matplotlib)")
     matplotlib.use("svg")
+    # Text stays text, and the same figures give the same file.
+    matplotlib.rcParams.update({"svg.fonttype": "none", "svg.hashsalt": "trochoid", "font.size": 9})
+
+
+def draw_bars(axis, one):
+    groups = one["bars"]
+    width = 0.8 / len(groups)
+    for i, group in enumerate(groups):
+        places = [at + (i - (len(groups) - 1) / 2) * width for at in range(len(one["categories"]))]
+        bars = axis.bar(places, group["values"], width, label=group["name"], alpha=0.45 if group.get("dashed") else 1.0)
+        axis.bar_label(bars, [f"{value:.3g}" for value in group["values"]], fontsize="x-small", padding=1)
+    axis.set_xticks(range(len(one["categories"])), one["categories"])
+    if one.get("log"):
+        axis.set_yscale("log")
+    axis.margins(y=0.15)
+    axis.grid(axis="y", alpha=0.3)
+
+
+def draw_curves(axis, one):
+    for curve in one["curves"]:
+        # Too many points for marks of their own are drawn as a line alone.
+        mark = "o" if len(curve["x"]) <= 30 else ""
+        axis.plot(curve["x"], curve["y"], ("--" if curve.get("dashed") else "-") + mark, markersize=3, label=curve["name"])
+    if one.get("log"):
+        axis.set_xscale("log")
+    if one.get("log") or one.get("log_y"):
+        axis.set_yscale("log")
+    axis.grid(alpha=0.3)
 
 
 def draw(result, file, fail):
-    """plots: a list of {title, x, y, log (true: both axes), curves: [{name, x, y, dashed}]}."""
+    """plots: a list of {title, x, y, log (true: both axes), log_y, curves: [{name, x, y, dashed}]}, or of
+    {title, x, y, log (true: the values' axis), categories, bars: [{name, values, dashed (true: paler)}]}."""
     plots = result.get("plots")
     if not plots:
         fail(f"{result['id']} draws no curve")
@@ -18,14 +47,10 @@ def draw(result, file, fail):
 
     figure, axes = plt.subplots(1, len(plots), figsize=(6.4 * len(plots), 4.4), squeeze=False)
     for axis, one in zip(axes[0], plots):
-        for curve in one["curves"]:
-            axis.plot(curve["x"], curve["y"], "--o" if curve.get("dashed") else "-o", markersize=3, label=curve["name"])
+        (draw_bars if "bars" in one else draw_curves)(axis, one)
         axis.set(title=one["title"], xlabel=one["x"], ylabel=one["y"])
-        if one.get("log"):
-            axis.set_xscale("log")
-            axis.set_yscale("log")
-        axis.grid(alpha=0.3)
         axis.legend(fontsize="small")
     figure.tight_layout()
-    figure.savefig(file)
+    figure.savefig(file, metadata={"Date": None})
+    plt.close(figure)
     print(f"bench: drew {file}")

@@ -160,7 +160,7 @@ void scenario_1(Report& report) {
         paper.push_back(theirs[i]);
         ours.push_back(times[i] * 1e3);
     }
-    report.plot({{"title", "Scenario 1: 2 boxes, 3 trains"},
+    report.plot({{"title", "Scenario 1: 2 boxes, 3 trains, refraction (paper A, table 1)"},
                  {"x", "grid points"},
                  {"y", "ms"},
                  {"log", true},
@@ -193,6 +193,24 @@ void scenario_2(Report& report) {
         report.figure(fmt::format("scenario 2, {} visible, 256^2, ms", 7 - i), times[i] * 1e3);
         report.figure(fmt::format("scenario 2, {} visible, 512^2, ms", 7 - i), times[8 + i] * 1e3);
     }
+    nlohmann::json visible = nlohmann::json::array();
+    nlohmann::json small = nlohmann::json::array();
+    nlohmann::json large = nlohmann::json::array();
+    for (size_t i = 0; i < 8; ++i) {
+        visible.push_back(7 - i);
+        small.push_back(times[i] * 1e3);
+        large.push_back(times[8 + i] * 1e3);
+    }
+    report.plot(
+        {{"title", "Scenario 2: 7 boxes of one train, refraction"},
+         {"x", "boxes in view"},
+         {"y", "ms"},
+         {"log_y", true},
+         {"curves",
+          {{{"name", "paper A, 512^2: all"}, {"x", {7}}, {"y", {232.2}}, {"dashed", true}},
+           {{"name", "paper A, 256^2: none and all"}, {"x", {0, 7}}, {"y", {0.6, 57.7}}, {"dashed", true}},
+           {{"name", "ours, 512^2, one core"}, {"x", visible}, {"y", large}},
+           {{"name", "ours, 256^2, one core"}, {"x", visible}, {"y", small}}}}});
 }
 
 void effects_table(Report& report) {
@@ -217,6 +235,8 @@ void effects_table(Report& report) {
     fmt::print(
         "\nwhat each effect adds to scenario 2, all seven visible\n{:<20} {:>14} {:>12} {:>14} {:>12}\n",
         "effect", "paper 256^2", "ours 256^2", "paper 512^2", "ours 512^2");
+    std::vector<std::string> names;
+    std::vector<double> values[4];
     for (size_t i = 0; i < std::size(rows); ++i) {
         const double small = (times[i] - (i == 0 ? 0.0 : times[0])) * 1e3;
         const double large = (times[std::size(rows) + i] - (i == 0 ? 0.0 : times[std::size(rows)])) * 1e3;
@@ -224,7 +244,23 @@ void effects_table(Report& report) {
                    rows[i].large, large);
         report.figure(fmt::format("{} adds, 256^2, ms", rows[i].name), small);
         report.figure(fmt::format("{} adds, 512^2, ms", rows[i].name), large);
+        if (i == 0) continue;
+        names.push_back(rows[i].name);
+        values[0].push_back(rows[i].small);
+        values[1].push_back(rows[i].large);
+        values[2].push_back(small);
+        values[3].push_back(large);
     }
+    report.plot({{"title", "What each effect adds to scenario 2 (paper A, table 2)"},
+                 {"x", "effect"},
+                 {"y", "ms"},
+                 {"log", true},
+                 {"categories", names},
+                 {"bars",
+                  {{{"name", "paper A, 256^2"}, {"values", values[0]}, {"dashed", true}},
+                   {{"name", "paper A, 512^2"}, {"values", values[1]}, {"dashed", true}},
+                   {{"name", "ours, 256^2"}, {"values", values[2]}},
+                   {{"name", "ours, 512^2"}, {"values", values[3]}}}}});
 }
 
 void culling(Report& report) {

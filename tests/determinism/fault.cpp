@@ -2,20 +2,15 @@
 
 #include <bit>
 #include <cstdlib>
+#include <utility>
+
+#include "protocol/codec/codec.hpp"
+#include "protocol/units/assert.hpp"
+#include "server/app/land_change.hpp"
 
 namespace trochoid {
 
-bool fault_in([[maybe_unused]] std::string_view stage) {
-#ifdef TROCHOID_FAULT_INJECTION
-    // NOLINTNEXTLINE(concurrency-mt-unsafe): nothing writes the environment.
-    const char* wanted = std::getenv("TROCHOID_FAULT");
-    return wanted != nullptr && stage == wanted;
-#else
-    return false;
-#endif
-}
-
-float one_ulp_off(float v) { return std::bit_cast<float>(std::bit_cast<uint32_t>(v) + 1U); }
+namespace {
 
 void spoil_record(WaveTrainBox& box) {
     if (box.id.value != 1 || box.trains.size() < 2 || !fault_in("world")) return;
@@ -31,6 +26,33 @@ void spoil_land(TracedLand& land) {
     gain = static_cast<uint16_t>(gain ^ 1U);
     field->set(std::move(block));
     land.fields[0] = std::move(field);
+}
+
+}  // namespace
+
+bool fault_in([[maybe_unused]] std::string_view stage) {
+#ifdef TROCHOID_FAULT_INJECTION
+    // NOLINTNEXTLINE(concurrency-mt-unsafe): nothing writes the environment.
+    const char* wanted = std::getenv("TROCHOID_FAULT");
+    return wanted != nullptr && stage == wanted;
+#else
+    return false;
+#endif
+}
+
+float one_ulp_off(float v) { return std::bit_cast<float>(std::bit_cast<uint32_t>(v) + 1U); }
+
+void replay_spoiled(World& world, std::span<const StoredEvent> events, const LandSettings& settings) {
+    for (const StoredEvent& stored : events) {
+        auto event = decode_event(stored.bytes);
+        TROCHOID_ASSERT(event.has_value(), "the log that was just written: {}", event.error().message);
+        Derived derived = derive(*world.state(), *event, settings);
+        if (auto* started = std::get_if<BoxStarted>(&event->what)) {
+            spoil_record(started->box);
+            for (TracedLand& land : derived.lands) spoil_land(land);
+        }
+        world.apply(*event, stored.bytes, std::move(derived));
+    }
 }
 
 Sea spoiled(const Sea& sea) {

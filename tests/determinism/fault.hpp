@@ -1,9 +1,11 @@
 #pragma once
+#include <span>
 #include <string_view>
 
 #include "protocol/model/sea.hpp"
-#include "protocol/model/wave_train_box.hpp"
-#include "server/world/traced_land.hpp"
+#include "server/event/event_log.hpp"
+#include "server/land/land_settings.hpp"
+#include "server/world/world.hpp"
 
 namespace trochoid {
 
@@ -14,10 +16,9 @@ bool fault_in(std::string_view stage);
 /// The same float, one unit in the last place away from zero.
 float one_ulp_off(float v);
 
-/// "world": the amplitude of the second train of box 1, before the log takes it.
-void spoil_record(WaveTrainBox& box);
+/// Takes in a log's events as server/app/replay.hpp does, and errs on the way. "world": the amplitude of the second train of box 1;
 /// "land": one node's gain of the middle block of box 1's first field, by one count.
-void spoil_land(TracedLand& land);
+void replay_spoiled(World& world, std::span<const StoredEvent> events, const LandSettings& settings);
 /// "constants": the amplitude of the last train of the last box.
 Sea spoiled(const Sea& sea);
 

@@ -1,9 +1,24 @@
-// The two libraries that are not header-only here, compiled once for a leg instead of in every file: no cross compiler has
+// The libraries that are not header-only here, compiled once for a leg instead of in every file: no cross compiler has
 // them. {fmt} 9 as in its own src/format.cc.
 #define TOML_IMPLEMENTATION
 #include <toml++/toml.h>
 
 #include <fmt/format-inl.h>
+
+// Highway's own choice of an instruction set; the legs of x86-64 have the library, all others one set, known at compile time.
+#if !defined(__x86_64__)
+#include "protocol/model/simd/highway.hpp"
+// After the choice of targets.
+#include <hwy/targets.h>
+namespace hwy {
+int64_t SupportedTargets() { return HWY_STATIC_TARGET; }
+void SetSupportedTargetsForTest(int64_t) {}
+ChosenTarget& GetChosenTarget() {
+    static ChosenTarget chosen;
+    return chosen;
+}
+}  // namespace hwy
+#endif
 
 FMT_BEGIN_NAMESPACE
 namespace detail {

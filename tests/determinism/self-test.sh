@@ -10,9 +10,16 @@ echo golden >"$tree/tests/golden/one.txt"
 echo '# not a golden file' >"$tree/tests/golden/CMakeLists.txt"
 echo 'name = "one"' >"$tree/server/scenes/one/scene.toml"
 echo 'int answer() { return 42; }' >"$tree/protocol/units/answer.cpp"
+# Names that two files hide from each other: in the usual layout they go to two batches, in another they are found out by compiling.
+for i in 1 2; do
+    printf 'namespace {\nint hidden() { return %s; }\n}  // namespace\nint use_%s() { return hidden(); }\n' $i $i \
+        >"$tree/protocol/units/usual_$i.cpp"
+    printf 'namespace { int well_hidden() { return %s; } }\nint use_more_%s() { return well_hidden(); }\n' $i $i \
+        >"$tree/protocol/model/unusual_$i.cpp"
+done
 echo '#error a GoogleTest program is no part of the checker' >"$tree/tests/golden/golden_test.cpp"
 honest_check='int main(int argc, char**) { std::printf("%d\n", answer()); return argc == 3 ? 0 : 1; }'
-honest_trace='int main(int argc, char**) { std::printf("one world %d 1\n", answer()); return argc == 4 ? 0 : 1; }'
+honest_trace='int main(int argc, char**) { std::printf("one world %d 1\n", answer()); return argc == 4 || argc == 5 ? 0 : 1; }'
 
 # expect STATUS TEXT NAME CHECKER TRACER: the verdict on programs with these main() functions.
 expect() {
@@ -31,6 +38,8 @@ expect() {
 }
 
 expect 0 '3 legs agree over 1 scenes' 'the same everywhere' "$honest_check" "$honest_trace"
+expect 0 'gcc-O0: build/determinism/batches/model-0.cpp compiles only file by file' 'files that cannot stand together' \
+    "$honest_check" "$honest_trace"
 expect 1 'not one sea: s390x-O2 x1, s390x-O2 x2, s390x-O2 x7, s390x-O2 x16 (' 'byte order shows in the goldens' \
     'int main() { std::printf("%d\n", answer() + (std::endian::native == std::endian::big)); }' "$honest_trace"
 expect 1 "first line that differs: 'one world 43 1' instead of 'one world 42 1'" 'byte order shows in a scene' "$honest_check" \

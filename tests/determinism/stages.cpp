@@ -13,16 +13,20 @@
 #include "protocol/units/hash.hpp"
 #include "server/interest/cull.hpp"
 #include "server/interest/cull_key.hpp"
+#include "tests/determinism/fast_path.hpp"
 #include "tests/determinism/fault.hpp"
+#include "tests/determinism/places.hpp"
+#include "tests/determinism/surface_fields.hpp"
 
 namespace trochoid {
 namespace {
 
 constexpr int64_t second = microseconds_per_second;
 /// After the opening: at once, a moment, an hour, 30 days, ten years.
-constexpr std::array<int64_t, 5> ticks{0, 1'234'567, 3600 * second, 2'592'000 * second, 315'576'000 * second};
-/// Cameras look from the world's origin and from this many boxes at most.
-constexpr size_t most_boxes_seen = 4;
+constexpr std::array<int64_t, 5> after_opening{0, 1'234'567, 3600 * second, 2'592'000 * second,
+                                               315'576'000 * second};
+/// Of a scene with commands besides: how long after each of them; in the midst of the cross-fade after a change of the land.
+constexpr int64_t after_command = 3'300'000;
 constexpr uint32_t points_around = 40;
 
 /// Calls f(0), f(1), … f(count - 1) on the threads; results go to places of their own, so their order does not matter.
@@ -37,8 +41,8 @@ void in_parallel(size_t count, uint32_t threads, const std::function<void(size_t
     for (std::thread& other : others) other.join();
 }
 
-void trace_world(Trace& trace, const WorldState& state) {
-    trace.begin_stage("world");
+void trace_world(Trace& trace, const std::string& stage, const WorldState& state) {
+    trace.begin_stage(stage);
     if (state.terrain) {
         trace.at("terrain", {});
         trace.u64("hash", terrain_hash(*state.terrain));
@@ -73,8 +77,8 @@ void trace_world(Trace& trace, const WorldState& state) {
     }
 }
 
-void trace_land_fields(Trace& trace, const WorldState& state) {
-    trace.begin_stage("land");
+void trace_land_fields(Trace& trace, const std::string& stage, const WorldState& state) {
+    trace.begin_stage(stage);
     for (const auto& [id, held] : state.boxes)
         for (const auto& field : held->sea->fields)
             for (const auto& block : field->blocks()) {
@@ -87,8 +91,8 @@ void trace_land_fields(Trace& trace, const WorldState& state) {
             }
 }
 
-void trace_constants(Trace& trace, const Sea& sea) {
-    trace.begin_stage("constants");
+void trace_constants(Trace& trace, const std::string& stage, const Sea& sea) {
+    trace.begin_stage(stage);
     for (const auto& box : sea.boxes())
         for (size_t i = 0; i < box->constants.size(); ++i) {
             const TrainConstants& c = box->constants[i];
@@ -107,21 +111,6 @@ void trace_constants(Trace& trace, const Sea& sea) {
         }
 }
 
-/// Where something is to be seen: the world's origin, and the middle of the grown part of the first boxes.
-std::vector<LatticePoint> places_to_look_at(const SeaInstant& instant) {
-    std::vector<LatticePoint> places{{0, 0}};
-    for (const LiveBox& live : instant.live()) {
-        if (places.size() > most_boxes_seen) break;
-        const WaveTrainBox& box = live.box->record;
-        if (box.length == 0 || box.width == 0) continue;
-        const int64_t u = live.instant.front / 2;
-        const int64_t v = box.width / 2;
-        places.push_back({live.instant.origin.x + ((u * box.ux - v * box.uz) >> 30),
-                          live.instant.origin.z + ((u * box.uz + v * box.ux) >> 30)});
-    }
-    return places;
-}
-
 /// A ship's deck, level; and from 400 m down at 30 degrees.
 std::array<ViewState, 2> cameras_at(LatticePoint place) {
     ViewState deck;
@@ -135,9 +124,10 @@ std::array<ViewState, 2> cameras_at(LatticePoint place) {
     return {deck, above};
 }
 
-void trace_patches(Trace& trace, const FoldedScene& scene, uint32_t threads) {
-    trace.begin_stage("patch");
-    const InterestIndex index(*scene.state);
+void trace_patches(Trace& trace, const std::string& stage, const WorldState& state,
+                   std::span<const SeaTime> ticks, uint32_t threads) {
+    trace.begin_stage(stage);
+    const InterestIndex index(state);
     struct View {
         SeaTime tick;
         ViewState camera;
@@ -145,36 +135,34 @@ void trace_patches(Trace& trace, const FoldedScene& scene, uint32_t threads) {
         CullResult result;
     };
     std::vector<View> views;
-    for (const int64_t after : {ticks[0], ticks[2]}) {
-        const SeaTime tick = scene.opens + after;
-        for (const LatticePoint place : places_to_look_at(SeaInstant(scene.state->sea, tick)))
+    for (const SeaTime tick : ticks)
+        for (const LatticePoint place : places_to_look_at(SeaInstant(state.sea, tick)))
             for (const ViewState& camera : cameras_at(place)) views.push_back({tick, camera, {}, {}});
-    }
     in_parallel(views.size(), threads, [&](size_t i) {
         View& view = views[i];
         const std::array<SyncRegion, 1> hull{{{view.camera.position, 256U * 1024U}}};
         view.key = choose_key(index, view.camera, hull, nullptr, view.tick);
         view.result = cull(index, view.key);
     });
-    const bool spoil = fault_in("patch");
+    const bool spoil = fault_in(stage);
     for (size_t i = 0; i < views.size(); ++i) {
         const View& view = views[i];
-        const InterestState& state = view.result.state;
+        const InterestState& seen = view.result.state;
         trace.at(fmt::format("view {}", i), view.tick);
         trace.u64("key", hash_of(view.key));
         trace.f32("error_in_force_px", view.key.error_in_force_px);
-        for (const auto& [key, patch] : state.patches) {
+        for (const auto& [key, patch] : seen.patches) {
             trace.at(fmt::format("view {} tile {}/{},{}", i, key.level, key.x, key.z), view.tick);
             for (const PatchBox& box : patch.boxes) {
                 trace.u32("box", box.box.value);
                 trace.u32("train_count", box.train_count);
             }
             trace.f32("left_out", patch.left_out);
-            const bool spoil_this = spoil && i == 1 && key == std::next(state.patches.begin(), 3)->first;
+            const bool spoil_this = spoil && i == 1 && key == std::next(seen.patches.begin(), 3)->first;
             trace.f32("height_error", spoil_this ? one_ulp_off(patch.height_error) : patch.height_error);
         }
         trace.at(fmt::format("view {}", i), view.tick);
-        trace.u64("state", hash_of(state));
+        trace.u64("state", hash_of(seen));
     }
 }
 
@@ -195,30 +183,16 @@ LatticePoint point_near(LatticePoint place, uint32_t i) {
             place.z + static_cast<int64_t>(b % spread) - reach};
 }
 
-void trace_surface(Trace& trace, const char* kind, const SurfaceSample& s) {
-    const auto put = [&](const char* name, float v) { trace.f32(fmt::format("{}{}", kind, name), v); };
-    put("ax", s.ax);
-    put("ay", s.ay);
-    put("az", s.az);
-    put("pxx", s.pxx);
-    put("pxz", s.pxz);
-    put("pzx", s.pzx);
-    put("pzz", s.pzz);
-    put("yx", s.yx);
-    put("yz", s.yz);
-    put("nx", s.nx);
-    put("ny", s.ny);
-    put("nz", s.nz);
-    put("vx", s.vx);
-    put("vy", s.vy);
-    put("vz", s.vz);
+void trace_surface(Trace& trace, std::string_view kind, const SurfaceSample& surface) {
+    for (const auto& [name, value] : surface_fields)
+        trace.f32(fmt::format("{}{}", kind, name), surface.*value);
 }
 
-void trace_displacement(Trace& trace, const Sea& sea, SeaTime opens, uint32_t threads) {
-    trace.begin_stage("displacement");
-    const bool spoil = fault_in("displacement");
-    for (const int64_t after : ticks) {
-        const SeaTime tick = opens + after;
+void trace_displacement(Trace& trace, const std::string& stage, const Sea& sea,
+                        std::span<const SeaTime> ticks, uint32_t threads) {
+    trace.begin_stage(stage);
+    const bool spoil = fault_in(stage);
+    for (const SeaTime tick : ticks) {
         const SeaInstant instant(sea, tick);
         const SeaInstant shown(sea, tick, displayed_layers);
         const std::vector<LatticePoint> places = places_to_look_at(instant);
@@ -230,34 +204,64 @@ void trace_displacement(Trace& trace, const Sea& sea, SeaTime opens, uint32_t th
             probe.displayed = shown.evaluate(probe.point);
             if (i % 4 == 0) probe.water = water_at(instant, probe.point);
         });
-        if (spoil && after == ticks[2]) probes[5].surface.ay = one_ulp_off(probes[5].surface.ay);
+        if (spoil && tick == ticks[2]) probes[5].surface.ay = one_ulp_off(probes[5].surface.ay);
         for (size_t i = 0; i < probes.size(); ++i) {
             const Probe& probe = probes[i];
-            const PatchKey tile = patch_at(probe.point, 16);
-            trace.at(fmt::format("tile {}/{},{} point {},{}", tile.level, tile.x, tile.z, probe.point.x,
-                                 probe.point.z),
-                     tick);
+            trace.at(tile_and_point(probe.point), tick);
             trace_surface(trace, "", probe.surface);
             trace_surface(trace, "displayed.", probe.displayed);
             if (i % 4 != 0) continue;
-            trace.f32("water.height", probe.water.height);
-            trace.f32("water.nx", probe.water.nx);
-            trace.f32("water.vy", probe.water.vy);
+            for (const auto& [name, value] : water_fields) trace.f32(name, probe.water.*value);
             trace.i64("water.rest.x", probe.water.rest.x);
             trace.i64("water.rest.z", probe.water.rest.z);
         }
     }
 }
 
+/// What the authority answered, the log's bytes by their hash, and the world, after each command. Whoever reads the log's bytes alone
+/// has to come to the same world.
+void trace_live_log(Trace& trace, const FoldedScene& scene) {
+    trace.begin_stage("live-log");
+    for (size_t i = 0; i < scene.live.size(); ++i) {
+        const auto& [reply, after] = scene.live[i];
+        trace.at(fmt::format("command {}", i), reply.effective);
+        trace.u32("code", static_cast<uint32_t>(reply.code));
+        trace.u32("box", reply.box.value);
+        trace.u64("log_position", after->log_position.value);
+        trace.u64("log_hash", after->log_hash);
+        trace.u64("world", hash_of(*after));
+    }
+    trace.u64("followed", scene.followed);
+    if (scene.followed != hash_of(*scene.live.back().after))
+        trace.disagree("followed", "replaying the log's bytes gives another world than the authority's");
+}
+
+/// All that a state means: `kind` goes before the stages' names.
+void trace_state(Trace& trace, const std::string& kind, const WorldState& state,
+                 std::span<const SeaTime> ticks, std::span<const SeaTime> views, uint32_t threads) {
+    trace_world(trace, kind + "world", state);
+    trace_land_fields(trace, kind + "land", state);
+    const Sea sea = spoiled(state.sea);
+    trace_constants(trace, kind + "constants", sea);
+    trace_patches(trace, kind + "patch", state, views, threads);
+    trace_displacement(trace, kind + "displacement", sea, ticks, threads);
+    trace_fast_path(trace, kind + "vectors", sea, ticks, threads);
+}
+
 }  // namespace
 
 void trace_stages(Trace& trace, const FoldedScene& scene, uint32_t threads) {
-    trace_world(trace, *scene.state);
-    trace_land_fields(trace, *scene.state);
-    const Sea sea = spoiled(scene.state->sea);
-    trace_constants(trace, sea);
-    trace_patches(trace, scene, threads);
-    trace_displacement(trace, sea, scene.opens, threads);
+    std::vector<SeaTime> ticks;
+    for (const int64_t after : after_opening) ticks.push_back(scene.opens + after);
+    trace_state(trace, "", *scene.state, ticks, std::array{ticks[0], ticks[2]}, threads);
+    if (!scene.live.empty()) {
+        ticks.clear();
+        for (const LiveStep& step : scene.live)
+            if (step.reply.code == ErrorCode::none) ticks.push_back(step.reply.effective + after_command);
+        trace_live_log(trace, scene);
+        trace_state(trace, "live-", *scene.live.back().after, ticks, std::array{ticks[0], ticks.back()},
+                    threads);
+    }
     trace.finish();
 }
 

@@ -9,6 +9,7 @@ namespace trochoid {
 void Trace::begin_stage(std::string_view stage) {
     finish();
     stage_ = stage;
+    disagreements_before_ = disagreements_;
 }
 
 void Trace::finish() {
@@ -20,11 +21,21 @@ void Trace::finish() {
     values_ = 0;
 }
 
-void Trace::at(std::string place, SeaTime tick) {
+void Trace::name_place(std::string place, SeaTime tick) {
     place_ = std::move(place);
     tick_ = tick;
+}
+
+void Trace::mix_place() {
     for (const char c : place_) mix(static_cast<uint8_t>(c));
-    mix(static_cast<uint64_t>(tick.us));
+    mix(static_cast<uint64_t>(tick_.us));
+}
+
+void Trace::disagree(std::string_view field, std::string_view what) {
+    constexpr uint64_t most_told = 3;
+    if (disagreements_++ - disagreements_before_ >= most_told) return;
+    fmt::print(stderr, "error: scene {}, stage {}, {}, sea time {:.6f} s, field {}: {}\n", scene_, stage_,
+               place_, static_cast<double>(tick_.us) * 1e-6, field, what);
 }
 
 void Trace::begin_line(std::string_view field) {

@@ -5,6 +5,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include "protocol/units/sea_time.hpp"
 
@@ -22,7 +23,17 @@ public:
 
     /// Ends the stage before (printing its hash) and begins one.
     void begin_stage(std::string_view stage);
-    void at(std::string place, SeaTime tick);
+    void at(std::string place, SeaTime tick) {
+        name_place(std::move(place), tick);
+        mix_place();
+    }
+    /// Where the values to come are from, for lines and disagreements.
+    void name_place(std::string place, SeaTime tick);
+    /// Takes the place into the hash.
+    void mix_place();
+    /// Two ways of computing one value on this machine differ: says so on the error stream (the first few of a stage), and counts.
+    void disagree(std::string_view field, std::string_view what);
+    uint64_t disagreements() const { return disagreements_; }
     void f32(std::string_view field, float v) { put(field, "f32", std::bit_cast<uint32_t>(v), 8); }
     void f64(std::string_view field, double v) { put(field, "f64", std::bit_cast<uint64_t>(v), 16); }
     void i64(std::string_view field, int64_t v) { put(field, "i64", static_cast<uint64_t>(v), 16); }
@@ -52,6 +63,8 @@ private:
     SeaTime tick_;
     uint64_t hash_ = 0;
     uint64_t values_ = 0;
+    uint64_t disagreements_ = 0;
+    uint64_t disagreements_before_ = 0;  // of the stages before
 };
 
 }  // namespace trochoid

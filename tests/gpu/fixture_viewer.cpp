@@ -29,14 +29,18 @@ private:
 
 int main(int argc, char** argv) {
     try {
-        const auto options = trochoid::parse_viewer_options(argc, argv);
+        const auto kept = trochoid::load_settings(trochoid::settings_file());
+        const auto options = trochoid::parse_viewer_options(argc, argv, kept.values);
         if (!options) return 0;
         RunningFixture source(trochoid::shipped_terrain());
-        fmt::print("{}\n",
-                   trochoid::summary_line(trochoid::run_viewer(source, *options, [] { return false; })));
+        fmt::print("{}\n", trochoid::summary_line(trochoid::run_viewer(
+                               source, *options, [] { return false; }, trochoid::settings_file())));
         return 0;
     } catch (const trochoid::OperatorError& error) {
         fmt::print(stderr, "{}\n", error.what());
         return 2;
+    } catch (const std::exception& error) {
+        fmt::print(stderr, "{}\n", error.what());
+        return 3;
     }
 }

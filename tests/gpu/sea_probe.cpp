@@ -1,6 +1,7 @@
 #include "tests/gpu/sea_probe.hpp"
 
 #include "client/gpu/frame_uniforms.hpp"
+#include "client/gpu/other_seas.hpp"
 #include "client/gpu/render_target.hpp"
 #include "client/gpu/sea_buffers.hpp"
 
@@ -22,7 +23,8 @@ Probe probe_sea(const InterestState& state, SeaTime now, const Camera& camera, c
     PatchDirectory directory;
     directory.rebuild(state, table);
     const CameraFrame frame = frame_of(camera, DepthRange::classic);
-    const MeshEye eye = mesh_eye(frame, display_filter(view_of(camera, glm::dvec3(0)), 12.0F));
+    const MeshEye eye = mesh_eye(frame, display_filter(view_of(camera, glm::dvec3(0)), 12.0F),
+                                 options.refinement, planes_of(frame, DepthRange::classic), 0.0F);
 
     SeaBuffers buffers;
     buffers.set_land(land);
@@ -34,6 +36,8 @@ Probe probe_sea(const InterestState& state, SeaTime now, const Camera& camera, c
     uniform_buffer.fill(GL_UNIFORM_BUFFER, std::span<const FrameUniforms>(&uniforms, 1), GL_STATIC_DRAW);
     glBindBufferBase(GL_UNIFORM_BUFFER, frame_binding, uniform_buffer.name());
     buffers.bind();
+    OtherSeas other_seas;
+    other_seas.prepare(options.displacement, table.weather_at(camera.position, now, 1.0F), now);
 
     // Nothing is drawn, yet OpenGL wants a complete framebuffer.
     const RenderTarget target(16, 16, 1);

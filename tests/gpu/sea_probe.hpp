@@ -7,13 +7,15 @@
 
 namespace trochoid {
 
-/// What the tessellation shader computed at one vertex.
+/// What the last shader of a mesher computed at one vertex.
 struct ProbedVertex {
     int32_t x = 0;  ///< relative to the anchor, lattice units
     int32_t z = 0;
-    float shift[3] = {};   ///< aX, aY, aZ
-    float normal[3] = {};  ///< unnormalised
-    uint32_t phases = 0;   ///< digest of all phases in the order of the sum
+    float shift[3] = {};            ///< aX, aY, aZ
+    float normal[3] = {};           ///< unnormalised
+    uint32_t phases = 0;            ///< digest of all phases in the order of the sum
+    uint32_t trains_looked_at = 0;  ///< wakes and noise apart
+    uint32_t trains_evaluated = 0;  ///< those with a weight
 };
 
 struct Probe {

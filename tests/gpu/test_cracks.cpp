@@ -1,23 +1,27 @@
-// The sea's mesh has no cracks: every inner edge belongs to two triangles, and no background shows through.
+// No mesher's sea has cracks: every inner edge belongs to two triangles, what triangles share is the same to the bit, and no
+// background shows through.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cstring>
 #include <map>
 #include <tuple>
 
 #include "client/gpu/offscreen_context.hpp"
-#include "client/gpu/renderer.hpp"
-#include "tests/gpu/fixture_sea.hpp"
+#include "client/scene/projected_grid.hpp"
+#include "tests/gpu/mesher_cases.hpp"
 #include "tests/gpu/sea_probe.hpp"
 
 namespace trochoid {
 namespace {
 
 using Place = std::pair<int32_t, int32_t>;
+using Edges = std::map<std::pair<Place, Place>, int>;
 
-/// Edges of the triangles that no second triangle shares and that do not lie on the outline of the whole mesh.
-size_t open_edges(const Probe& probe, const InterestState& state) {
-    std::map<std::pair<Place, Place>, int> uses;
+/// Edges by place, with the number of triangles that have each; triangles without an area are left out.
+Edges edges_of(const Probe& probe) {
+    Edges uses;
     for (size_t i = 0; i + 2 < probe.vertices.size(); i += 3)
         for (size_t k = 0; k < 3; ++k) {
             const ProbedVertex& a = probe.vertices[i + k];
@@ -26,6 +30,11 @@ size_t open_edges(const Probe& probe, const InterestState& state) {
             const Place q{b.x, b.z};
             if (p != q) ++uses[std::minmax(p, q)];
         }
+    return uses;
+}
+
+/// Edges of the patches' triangles that no second triangle shares and that do not lie on the outline of the whole mesh.
+size_t open_edges(const Probe& probe, const InterestState& state) {
     const auto covered = [&](int64_t x, int64_t z) {
         for (int level = finest_patch_level; level <= coarsest_patch_level; ++level)
             if (state.patches.contains({static_cast<uint8_t>(level), static_cast<int32_t>(x >> level),
@@ -34,7 +43,7 @@ size_t open_edges(const Probe& probe, const InterestState& state) {
         return false;
     };
     size_t open = 0;
-    for (const auto& [edge, count] : uses) {
+    for (const auto& [edge, count] : edges_of(probe)) {
         if (count == 2) continue;
         // Just beside the middle of the edge, on both sides: water on both means that the edge should have been shared.
         const int64_t x = probe.anchor.x + (int64_t{edge.first.first} + edge.second.first) / 2;
@@ -46,14 +55,34 @@ size_t open_edges(const Probe& probe, const InterestState& state) {
     return open;
 }
 
-Camera standing_at(double x, double z, double altitude, double yaw, double pitch) {
-    Camera camera;
-    camera.position = {to_lattice(x), to_lattice(z)};
-    camera.fraction_x = 0.25;
-    camera.altitude_m = altitude;
-    camera.yaw = yaw;
-    camera.pitch = pitch;
-    return camera;
+/// Edges of a square mesh that not two triangles share, the square's sides apart.
+size_t open_edges_of_square(const Edges& edges) {
+    Place low{INT32_MAX, INT32_MAX};
+    Place high{INT32_MIN, INT32_MIN};
+    for (const auto& [edge, count] : edges)
+        for (const Place& p : {edge.first, edge.second}) {
+            low = {std::min(low.first, p.first), std::min(low.second, p.second)};
+            high = {std::max(high.first, p.first), std::max(high.second, p.second)};
+        }
+    size_t open = 0;
+    for (const auto& [edge, count] : edges) {
+        const auto& [p, q] = edge;
+        const bool outline = (p.first == q.first && (p.first == low.first || p.first == high.first)) ||
+                             (p.second == q.second && (p.second == low.second || p.second == high.second));
+        if (count != (outline ? 1 : 2)) ++open;
+    }
+    return open;
+}
+
+/// Places at which vertices differ in any bit of what was computed there.
+size_t places_with_different_bits(const Probe& probe) {
+    std::map<Place, const ProbedVertex*> first;
+    size_t differing = 0;
+    for (const ProbedVertex& v : probe.vertices) {
+        const auto [at, added] = first.try_emplace(Place{v.x, v.z}, &v);
+        if (!added && std::memcmp(at->second, &v, sizeof v) != 0) ++differing;
+    }
+    return differing;
 }
 
 class Cracks : public testing::Test {
@@ -64,16 +93,37 @@ protected:
 };
 std::unique_ptr<OffscreenContext> Cracks::context_;
 
-TEST_F(Cracks, every_inner_edge_belongs_to_two_triangles) {
-    for (const Camera& camera : {standing_at(10.3, 7.1, 3, 0, 0), standing_at(-777.7, 1'234.5, 40, 0, 0),
-                                 standing_at(31'415'926, -2'718'281, 900, 0, 0)}) {
-        FixtureSource source(TerrainGrid{});
-        ViewState view = view_of(camera, glm::dvec3(0));
-        view.accepted_error_px = 12.0F;
-        source.set_view(view);
-        const Probe probe = probe_sea(source.state(), SeaTime{1'000'000}, camera);
+class EveryMesher : public Cracks, public testing::WithParamInterface<MesherKind> {};
+INSTANTIATE_TEST_SUITE_P(Cracks, EveryMesher, testing::ValuesIn(all_meshers),
+                         [](const auto& kind) { return std::string(name_of(kind.param)); });
+
+TEST_P(EveryMesher, shares_inner_edges_and_the_bits_of_shared_places) {
+    for (const Camera& base : {standing_at(10.3, 7.1, 3, 0, 0), standing_at(-777.7, 1'234.5, 40, 2.2, -0.3),
+                               standing_at(31'415'926, -2'718'281, 900, 0, -0.2)}) {
+        Camera camera = base;
+        DrawOptions options;
+        options.mesher = GetParam();
+        options.error_px = 12.0F;
+        options.projected_rows = 150;
+        options.projected_columns = 100;
+        const auto source = open_sea(camera, false, options);
+        const Probe probe = probe_sea(source->state(), SeaTime{1'000'000}, camera, options);
         EXPECT_GT(probe.vertices.size(), 30'000U);
-        EXPECT_EQ(open_edges(probe, source.state()), 0U);
+        EXPECT_EQ(places_with_different_bits(probe), 0U);
+        if (GetParam() == MesherKind::patches) {
+            EXPECT_EQ(open_edges(probe, source->state()), 0U);
+            continue;
+        }
+        const Edges edges = edges_of(probe);
+        if (GetParam() != MesherKind::projected) {
+            EXPECT_EQ(open_edges_of_square(edges), 0U);
+            continue;
+        }
+        const auto unshared =
+            std::count_if(edges.begin(), edges.end(), [](const auto& e) { return e.second != 2; });
+        const size_t quads = probe.vertices.size() / 6;
+        EXPECT_EQ(quads, 150U * 100U);
+        EXPECT_EQ(unshared, 2 * (150 + 100)) << "the grid's outline and nothing else";
     }
 }
 
@@ -87,29 +137,65 @@ TEST_F(Cracks, neighbours_two_levels_apart_would_be_seen) {
     EXPECT_GT(open_edges(probe, state), 0U);
 }
 
-TEST_F(Cracks, no_background_shows_through_the_sea) {
-    Renderer renderer;
-    for (const Camera& base :
-         {standing_at(10.3, 7.1, 6, 0.7, -1.2), standing_at(-777.7, 1'234.5, 45, 2.9, -0.9),
-          standing_at(4'000.5, -3'141.5, 700, -1.1, -0.8)}) {
-        Camera camera = base;
-        camera.width = 640;
-        camera.height = 360;
-        FixtureSource source(TerrainGrid{});
-        DrawOptions options;
-        options.sky = options.far_sea = options.land = false;
-        options.clear_colour = {1.0F, 0.0F, 1.0F};
-        ViewState view = view_of(camera, glm::dvec3(0));
-        view.accepted_error_px = options.error_px;
-        source.set_view(view);
-        const RenderTarget target(camera.width, camera.height, 1);
-        renderer.draw(target, source.snapshot(), camera, camera, options);
-        const Picture picture = target.read();
-        size_t magenta = 0;
-        for (size_t i = 0; i < picture.rgb.size(); i += 3)
-            if (picture.rgb[i] > 250 && picture.rgb[i + 1] < 5 && picture.rgb[i + 2] > 250) ++magenta;
-        EXPECT_EQ(magenta, 0U) << "from " << camera.altitude_m << " m";
+/// The most that waves do in a state, m.
+WaveBounds waves_of(const InterestState& state) {
+    LandTable land;
+    land.rebuild(state, 1U << 20, 1U << 20);
+    SeaTable table;
+    table.rebuild(state, land);
+    return table.bounds_of_list(0);
+}
+
+/// How far a mesher's sea reaches at least, m along the sea.
+double reach_of(const DrawOptions& options) {
+    switch (options.mesher) {
+        case MesherKind::uniform:
+            return (options.grid_cells * 0.5 - 2.0) * static_cast<double>(options.grid_spacing_m);
+        case MesherKind::projected: return 1e9;
+        case MesherKind::patches:
+        case MesherKind::coherent: break;
     }
+    // The fixture's patches end 10 km away or farther.
+    return 9'900.0;
+}
+
+TEST_P(EveryMesher, lets_no_background_show_through) {
+    Painter painter;
+    for (const NamedView& view : demanding_views()) {
+        SCOPED_TRACE(view.name);
+        Camera camera = view.camera;
+        DrawOptions options = bare(GetParam());
+        options.grid_cells = 512;
+        const auto source = open_sea(camera, view.storm, options);
+        const WaveBounds waves = waves_of(source->state());
+        const Picture picture = painter.picture(*source, camera, camera, options);
+        size_t water = 0;
+        size_t holes = 0;
+        for (uint32_t y = 0; y < picture.height; ++y)
+            for (uint32_t x = 0; x < picture.width; ++x) {
+                // A pixel off the horizon: where the sea ends is a matter of rounding.
+                const double away = water_distance(camera, x, y, waves.height);
+                if (away < 0 || water_distance(camera, x, y == 0 ? 0 : y - 1, 0) < 0) continue;
+                if (away + static_cast<double>(waves.displacement) > reach_of(options)) continue;
+                ++water;
+                if (is_background(picture, x, y)) ++holes;
+            }
+        EXPECT_EQ(holes, 0U) << "of " << water << " pixels from " << camera.altitude_m << " m";
+        if (view.name == "straight down") {
+            EXPECT_EQ(water, size_t{picture.width} * picture.height);
+        }
+    }
+}
+
+/// Shows that the test above can fail.
+TEST_F(Cracks, a_grid_too_small_would_be_seen) {
+    Camera camera = standing_at(4'000.5, -3'141.5, 60, -1.1, -1.5);
+    DrawOptions options = bare(MesherKind::uniform);
+    options.grid_cells = 32;
+    options.grid_spacing_m = 1.0F;
+    const auto source = open_sea(camera, false, options);
+    const Picture picture = Painter().picture(*source, camera, camera, options);
+    EXPECT_TRUE(is_background(picture, 2, 2));
 }
 
 }  // namespace

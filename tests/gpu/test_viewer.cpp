@@ -9,7 +9,11 @@
 #include <nlohmann/json.hpp>
 
 #include "client/app/viewer_loop.hpp"
+#include "client/gpu/graphics_error.hpp"
+#include "client/gpu/offscreen_context.hpp"
+#include "client/gpu/picture_file.hpp"
 #include "client/gpu/render_target.hpp"
+#include "client/gpu/shader_program.hpp"
 #include "protocol/units/operator_error.hpp"
 #include "tests/gpu/fixture_sea.hpp"
 
@@ -138,9 +142,8 @@ TEST(Viewer, overlay_and_debug_views_draw_over_the_picture) {
     TickingFixture plain(shipped_terrain());
     run_viewer(plain, options, [] { return false; });
     const Picture without = read_png(options.picture);
-    options.overlay = true;
-    options.debug.boxes = options.debug.rays = options.debug.patches = options.debug.fields =
-        options.debug.wireframe = true;
+    options.panels = {true, true, false};
+    options.draw.boxes = options.draw.rays = options.draw.patches = options.draw.fields = options.draw.wireframe = true;
     TickingFixture debugged(shipped_terrain());
     run_viewer(debugged, options, [] { return false; });
     const Picture with = read_png(options.picture);
@@ -174,39 +177,216 @@ TEST(Viewer, ends_when_told_and_refuses_a_picture_it_cannot_write) {
     EXPECT_THROW(run_viewer(source, options, [&] { return ++frames > 5; }), OperatorError);
 }
 
-std::optional<ViewerOptions> parse(std::vector<const char*> words) {
-    words.insert(words.begin(), "trochoid-viewer");
-    return parse_viewer_options(static_cast<int>(words.size()), words.data());
+std::vector<uint8_t> bytes_of(const std::filesystem::path& path) {
+    std::ifstream file(path, std::ios::binary);
+    return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
 }
 
-TEST(ViewerOptions, read_places_sizes_and_debug_views) {
-    const auto options = parse({"--camera=100.5,30,-2000,180,-5", "--size=640x360", "--debug=boxes,rays",
-                                "--quality=low", "--offscreen"});
-    ASSERT_TRUE(options);
-    EXPECT_EQ(options->camera.position, (LatticePoint{to_lattice(100.5), to_lattice(-2'000)}));
-    EXPECT_DOUBLE_EQ(options->camera.altitude_m, 30);
-    EXPECT_EQ(options->camera.width, 640U);
-    EXPECT_TRUE(options->debug.rays);
-    EXPECT_FALSE(options->debug.patches);
-    EXPECT_EQ(options->layers, displayed_layers);
-    EXPECT_EQ(draw_options_of(*parse({"--layers=-noise,-round"})).layers,
-              displayed_layers.without(Layer::noise).without(Layer::round));
-    EXPECT_GT(draw_options_of(*options).error_px, DrawOptions{}.error_px);
-    EXPECT_GT(options->seconds, 0);
+/// A folder that goes with the test.
+class Folder {
+public:
+    explicit Folder(const char* name) : path(temporary(name)) { std::filesystem::remove_all(path); }
+    Folder(const Folder&) = delete;
+    Folder& operator=(const Folder&) = delete;
+    ~Folder() { std::filesystem::remove_all(path); }
+    std::filesystem::path path;
+};
+
+ViewerOptions recording_to(const Folder& folder) {
+    ViewerOptions options = small_run();
+    options.camera.width = 160;
+    options.camera.height = 90;
+    options.picture.clear();
+    options.second_picture.clear();
+    options.summary_json.clear();
+    options.seconds = 0;
+    options.record = folder.path.string();
+    return options;
 }
 
-TEST(ViewerOptions, refuse_what_makes_no_sense) {
-    EXPECT_THROW(parse({"--camera=1,2,3"}), OperatorError);
-    EXPECT_THROW(parse({"--camera=1e300,2,3,0,0"}), OperatorError);
-    EXPECT_THROW(parse({"--camera=0,2,0,nan,0"}), OperatorError);
-    EXPECT_THROW(parse({"--size=0x0"}), OperatorError);
-    EXPECT_THROW(parse({"--size=640x360x2"}), OperatorError);
-    EXPECT_THROW(parse({"--debug=everything"}), OperatorError);
-    EXPECT_THROW(parse({"--quality=best"}), OperatorError);
-    EXPECT_THROW(parse({"--layers=waves"}), OperatorError);
-    EXPECT_THROW(parse({"--seconds=-1"}), OperatorError);
-    EXPECT_THROW(parse({"--second-picture=x.png"}), OperatorError);
-    EXPECT_THROW(parse({"--unheard-of"}), OperatorError);
+TEST(ViewerRecording, with_a_fixed_step_is_the_same_on_every_run) {
+    const Folder first("trochoid-test-record-one");
+    const Folder second("trochoid-test-record-two");
+    for (const Folder* folder : {&first, &second}) {
+        ViewerOptions options = recording_to(*folder);
+        options.at_s = 61.5;
+        options.fixed_step_s = 0.125;
+        options.frames = 6;
+        // Its own clock runs on with every look at it, and must not show.
+        TickingFixture source(shipped_terrain());
+        const ViewerSummary summary = run_viewer(source, options, [] { return false; });
+        EXPECT_EQ(summary.recorded_pictures, 6U);
+        EXPECT_EQ(summary.sea_time.us, 61'500'000 + 5 * 125'000);
+    }
+    for (int i = 0; i < 6; ++i) {
+        const auto name = "frame_00000" + std::to_string(i) + ".png";
+        const auto one = bytes_of(first.path / name);
+        ASSERT_GT(one.size(), 1000U) << name;
+        EXPECT_EQ(one, bytes_of(second.path / name)) << name;
+        if (i > 0) {
+            EXPECT_NE(one, bytes_of(first.path / "frame_000000.png")) << "the sea stands still";
+        }
+    }
+    EXPECT_FALSE(std::filesystem::exists(first.path / "frame_000006.png"));
+}
+
+TEST(ViewerRecording, seconds_of_a_fixed_step_are_of_sea_time) {
+    const Folder folder("trochoid-test-record-seconds");
+    ViewerOptions options = recording_to(folder);
+    options.fixed_step_s = 0.25;
+    options.seconds = 1.0;
+    TickingFixture source(TerrainGrid{});
+    EXPECT_EQ(run_viewer(source, options, [] { return false; }).recorded_pictures, 4U);
+}
+
+TEST(ViewerRecording, never_writes_over_files) {
+    const Folder folder("trochoid-test-record-full");
+    std::filesystem::create_directories(folder.path);
+    std::ofstream(folder.path / "mine.txt") << "precious";
+    TickingFixture source(TerrainGrid{});
+    try {
+        run_viewer(source, recording_to(folder), [] { return false; });
+        FAIL() << "it recorded among other files";
+    } catch (const OperatorError& error) {
+        EXPECT_NE(std::string(error.what()).find("not empty"), std::string::npos);
+    }
+    EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder.path), {}), 1);
+}
+
+TEST(ViewerTime, at_holds_the_sea_still) {
+    ViewerOptions options = small_run();
+    options.at_s = 75.0;
+    TickingFixture source(TerrainGrid{});
+    const ViewerSummary summary = run_viewer(source, options, [] { return false; });
+    EXPECT_EQ(summary.sea_time.us, 75'000'000);
+    EXPECT_EQ(read_png(options.picture).rgb, read_png(options.second_picture).rgb);
+}
+
+/// A sea that is known up to a moment only.
+class UnknownFuture : public FixtureSource {
+public:
+    using FixtureSource::FixtureSource;
+    SceneInput snapshot() override {
+        SceneInput input = FixtureSource::snapshot();
+        input.statistics.known_until = sea_time_now();
+        return input;
+    }
+};
+
+TEST(ViewerTime, waits_for_a_time_to_come_and_says_so) {
+    ViewerOptions options = small_run();
+    options.at_s = 500.0;
+    options.patience_s = 1.2;
+    UnknownFuture source(TerrainGrid{});
+    try {
+        run_viewer(source, options, [] { return false; });
+        FAIL() << "it drew a sea that nobody knows yet";
+    } catch (const OperatorError& error) {
+        EXPECT_NE(std::string(error.what()).find("440.0 s ahead"), std::string::npos) << error.what();
+    }
+}
+
+/// A server that goes away after some looks.
+class GoingSource : public FixtureSource {
+public:
+    using FixtureSource::FixtureSource;
+    SceneInput snapshot() override {
+        SceneInput input = FixtureSource::snapshot();
+        if (++looks_ > 4) {
+            input.statistics.connected = false;
+            input.statistics.state = "server gone (refused), trying again in 2 s";
+        }
+        return input;
+    }
+
+private:
+    int looks_ = 0;
+};
+
+TEST(ViewerServer, gone_ends_an_offscreen_run_with_an_error) {
+    ViewerOptions options = small_run();
+    options.seconds = 60;
+    options.patience_s = 0.3;
+    GoingSource source(TerrainGrid{});
+    try {
+        run_viewer(source, options, [] { return false; });
+        FAIL() << "it went on for ever";
+    } catch (const ServerGone& error) {
+        EXPECT_NE(std::string(error.what()).find("server gone (refused)"), std::string::npos);
+    }
+    // Shorter than its patience: the pictures are there, and the end says that they are of an old sea.
+    options.seconds = 0.3;
+    options.patience_s = 30;
+    std::filesystem::remove(options.picture);
+    GoingSource again(TerrainGrid{});
+    EXPECT_THROW(run_viewer(again, options, [] { return false; }), ServerGone);
+    EXPECT_TRUE(std::filesystem::exists(options.picture));
+}
+
+TEST(ViewerBudget, an_unreachable_target_is_told_with_what_was_given_up) {
+    ViewerOptions options = small_run();
+    options.second_picture.clear();
+    options.target_ms = 0.5;
+    options.seconds = 0;
+    options.frames = 60;
+    options.camera.width = 96;
+    options.camera.height = 54;
+    TickingFixture source(TerrainGrid{});
+    const ViewerSummary summary = run_viewer(source, options, [] { return false; });
+    ASSERT_TRUE(summary.budget);
+    EXPECT_GT(summary.budget->error_factor, 1.2);
+    EXPECT_GT(summary.options.error_px, options.draw.error_px);
+    std::ifstream file(options.summary_json);
+    const nlohmann::json json = nlohmann::json::parse(file);
+    EXPECT_EQ(json.at("budget").at("target_ms"), 0.5);
+    EXPECT_EQ(json.at("budget").at("given_up").size(), summary.budget->given_up.size());
+    EXPECT_GT(json.at("pass_ms").size(), 3U);
+    EXPECT_GT(json.at("trains_at_camera").at("known"), 0);
+}
+
+TEST(ViewerView, from_above_shows_other_pictures_than_from_below) {
+    ViewerOptions options = small_run();
+    options.second_picture.clear();
+    TickingFixture below(shipped_terrain());
+    run_viewer(below, options, [] { return false; });
+    const Picture plain = read_png(options.picture);
+    options.birds_eye = options.freeze = true;
+    TickingFixture above(shipped_terrain());
+    run_viewer(above, options, [] { return false; });
+    const Picture map = read_png(options.picture);
+    // No sky, and land below all of a coast's right half.
+    EXPECT_LT(mean_of(map, 0.1, 0.02, 0.3, 0.2).blue, mean_of(plain, 0.1, 0.02, 0.3, 0.2).blue - 15);
+}
+
+TEST(Picture, a_full_disk_is_noticed) {
+    if (!std::filesystem::exists("/dev/full")) GTEST_SKIP() << "no /dev/full here";
+    Picture picture{64, 64, std::vector<uint8_t>(size_t{64} * 64 * 3, 7)};
+    try {
+        write_png("/dev/full", picture);
+        FAIL() << "the picture is nowhere";
+    } catch (const OperatorError& error) {
+        EXPECT_NE(std::string(error.what()).find("No space left"), std::string::npos) << error.what();
+    }
+    EXPECT_TRUE(std::filesystem::exists("/dev/full"));
+}
+
+TEST(Shader, that_the_driver_refuses_is_told_with_driver_file_and_line) {
+    const OffscreenContext context;
+    try {
+        const ShaderProgram program({"sky.vert", "sky.frag"}, {{"main nonsense ("}, {}});
+        FAIL() << "the driver takes anything";
+    } catch (const GraphicsError& error) {
+        const std::string text = error.what();
+        for (const char* part : {"sky.vert", "It says: ", "OpenGL 4", "LIBGL_ALWAYS_SOFTWARE"})
+            EXPECT_NE(text.find(part), std::string::npos) << part << " is missing in:\n" << text;
+    }
+    EXPECT_EQ(GlHealth().check(), "") << "no OpenGL error is left over";
+}
+
+TEST(Target, beyond_what_the_device_draws_is_refused) {
+    const OffscreenContext context;
+    EXPECT_THROW(RenderTarget(1U << 20U, 16, 1), GraphicsError);
+    EXPECT_NO_THROW(RenderTarget(64, 64, 64)) << "more samples than there are become as many as there are";
 }
 
 }  // namespace

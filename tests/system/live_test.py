@@ -223,7 +223,7 @@ class Live(ProgramTest):
         for name in ("wind 2", "pilot boat"):
             said, before, after = self.step("stop", self.box_named(name))
             self.assertGreater(self.greatest_change(before, after, said["effective_s"] + 30, math.inf), 0.001)
-            self.assert_ends(self.server.ctl("stop", said["box"]), 1, "decays from", "trochoid-ctl list")
+            self.assert_ends(self.server.ctl("stop", said["box"]), 1, "decays from sea time", "it needs no stop")
 
 
 NO_NUMBERS = ("nan", "inf", "-inf", "1e999", "", "much")

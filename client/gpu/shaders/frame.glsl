@@ -16,6 +16,13 @@ layout(std140) uniform Frame {
                              // which the bed falls to it outside the raster, m
     ivec4 choice;            // Displacement, FarMethod, Refinement of draw_options.hpp; 0
     vec4 wind;               // direction of travel (x, z); speed at 10 m, m/s; hour of the day
+    vec4 mesh_sides[4];      // of the view that the mesh is made for: inward normal and offset, m from its eye
+    vec4 sun_light;          // irradiance of sun or moon across its rays; w: exposure
+    vec4 sky_ambient;        // irradiance of the sky on a level plane, over pi; w: 1 = only the moon shines
+    vec4 overcast;           // radiance of a closed cloud cover overhead; w: its share of the sky
+    vec4 sea_state;          // at the camera: slope variance of all trains, of what ripples add to it; whitecaps' share of the
+                             // sea as a quantile of the normal distribution; standard deviation of its Jacobian
+    vec4 foam_map_place;     // middle of the foam map, m from the anchor (xy); its side, m, 0 = none; seconds since its update
 };
 
 const float lattice_unit = 0.0009765625;  // 2^-10 m

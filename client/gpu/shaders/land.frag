@@ -39,7 +39,7 @@ void main() {
     float steepness = 1.0 - normalize(vertex.normal).y;
     vec3 base = albedo(vertex.place.y, steepness, noise);
     float light = max(dot(normal, sun.xyz), 0.0);
-    vec3 lit = base * (sky_ambient * (0.55 + 0.45 * normal.y) + sun_light * (0.318 * light));
+    vec3 lit = base * (sky_ambient.rgb * (0.55 + 0.45 * normal.y) + sun_light.rgb * (0.318 * light));
     // Under water the bed is only seen through it; the sea's own colour covers what is deeper.
     lit *= mix(0.45, 1.0, smoothstep(-0.8, 0.1, vertex.place.y));
     colour = vec4(displayed(hazed(lit, vertex.position)), 1.0);

@@ -228,6 +228,7 @@ float faded_variance;   // slope variance of what is not displayed
 float total_variance;   // of the whole sea
 #ifdef TROCHOID_PROBE
 uint phase_digest;      // of all phases in the order of the sum
+uvec2 trains_counted;   // looked at, and evaluated
 #endif
 
 /// A plane wave as add_train of sea.cpp takes it.
@@ -261,8 +262,10 @@ void add_wave(Wave t, Local l, uint phase, float weight) {
 
 #ifdef TROCHOID_PROBE
 #define NOTE_PHASE(phase) phase_digest = (phase_digest ^ (phase)) * 16777619u
+#define NOTE_TRAIN(weight) trains_counted += uvec2(1u, (weight) > 0.0 ? 1u : 0u)
 #else
 #define NOTE_PHASE(phase)
+#define NOTE_TRAIN(weight)
 #endif
 
 /// Trains of a box; `features` is its last texel.
@@ -308,6 +311,7 @@ void add_trains(int row, int count, ivec4 features, Envelope e, ivec2 r, uvec2 p
             bent.turn = turn;
         }
         NOTE_PHASE(phase);
+        NOTE_TRAIN(weight);
         if (weight <= 0.0) break;  // trains come by falling wavelength: all others fade too
         vec4 c0 = intBitsToFloat(texelFetch(sea_records, train + 1));  // kx, kz, a, hx
         float hz = intBitsToFloat(texelFetch(sea_records, train + 2).x);
@@ -391,8 +395,7 @@ void add_box(ivec2 entry, ivec2 r, uvec2 place, float spacing) {
     if (features.w >= 0) add_noise(features.w, texelFetch(sea_records, row + 6).w, e, place, spacing);
 }
 
-/// Sums the boxes of a list at a place relative to the anchor; the sums above hold the result.
-void sum_sea(int list, ivec2 r, float spacing) {
+void clear_sums() {
     sum_a = vec3(0.0);
     sum_b = vec2(0.0);
     sum_m = vec4(0.0);
@@ -400,10 +403,25 @@ void sum_sea(int list, ivec2 r, float spacing) {
     total_variance = 0.0;
 #ifdef TROCHOID_PROBE
     phase_digest = 2166136261u;
+    trains_counted = uvec2(0u);
 #endif
+}
+
+/// Sums the boxes of a list at a place relative to the anchor; the sums above hold the result.
+void sum_sea(int list, ivec2 r, float spacing) {
+    clear_sums();
     uvec2 place = uvec2(camera_cell.zw + r);
     int entries = texelFetch(sea_lists, list).x;
     for (int i = 1; i <= entries; ++i) add_box(texelFetch(sea_lists, list + i).xy, r, place, spacing);
+}
+
+/// Still water of so much roughness.
+void still_sea(float variance) {
+    sum_a = vec3(0.0);
+    sum_b = vec2(0.0);
+    sum_m = vec4(0.0);
+    faded_variance = variance;
+    total_variance = variance;
 }
 
 /// Unnormalised normal of the sums; its y is the Jacobian determinant.

@@ -22,7 +22,6 @@ void main() {
     gl_TessLevelOuter[1] = float(north);
     gl_TessLevelOuter[2] = float(east);
     gl_TessLevelOuter[3] = float(south);
-    int inside = edge_level(quad.xy + ivec2(0, side / 2), true, side);
-    gl_TessLevelInner[0] = float(inside);
-    gl_TessLevelInner[1] = float(inside);
+    gl_TessLevelInner[0] = float(edge_level(quad.xy + ivec2(0, side / 2), true, side));
+    gl_TessLevelInner[1] = float(edge_level(quad.xy + ivec2(side / 2, 0), false, side));
 }

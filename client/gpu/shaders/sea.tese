@@ -9,5 +9,5 @@ void main() {
     // Levels are powers of two up to 64, so the coordinates are exact 64ths.
     ivec2 step = ivec2(gl_TessCoord.xy * 64.0 + 0.5);
     ivec2 place = quad.xy + (step << ((quad.z & 0xff) - 6));
-    emit_surface(place, quad.w, sea_spacing(place), quad.z >> 16);
+    emit_surface(place, quad.w, shown_spacing(place), quad.z >> 16);
 }

@@ -1,34 +1,30 @@
 #include "frame.glsl"
 #include "sky.glsl"
 #include "noise.glsl"
+#include "clouds.glsl"
 in vec3 direction;
 out vec4 colour;
 
-/// Thin fair-weather clouds on a plane, 0 to 1.
-float clouds(vec3 d) {
-    vec2 p = d.xz * (2.2 / (d.y + 0.06)) + vec2(picture.w, 0.35 * picture.w);
-    p += 0.6 * vec2(value_noise(p * 0.7), value_noise(p * 0.7 + 19.0));
-    float sum = 0.0;
-    float amplitude = 0.5;
-    for (int i = 0; i < 5; ++i) {
-        sum += amplitude * value_noise(p);
-        p = mat2(1.6, 1.2, -1.2, 1.6) * p + 7.3;
-        amplitude *= 0.5;
-    }
-    return smoothstep(0.50, 0.86, sum) * smoothstep(0.0, 0.22, d.y);
+/// A few stars, each about a pixel wide.
+float stars(vec3 d) {
+    vec3 p = d * 190.0;
+    ivec3 cell = ivec3(floor(p));
+    float chance = hash(cell.xy * 57 + cell.z * ivec2(131, 17));
+    vec3 off = fract(p) - 0.5;
+    return chance > 0.994 ? smoothstep(0.08, 0.0, dot(off, off)) * (chance - 0.994) * 160.0 : 0.0;
 }
 
 void main() {
     vec3 d = normalize(direction);
-    vec3 sky = sky_radiance(d);
-    float towards = max(dot(d, sun.xyz), 0.0);
-    if (d.y > 0.0) {
-        float cover = clouds(d);
-        float lit = 0.72 + 0.5 * towards * towards * towards * towards;
-        sky = mix(sky, vec3(0.95, 0.94, 0.93) * lit, 0.75 * cover);
-        // 0.6 degrees across would be true; a little larger reads as the sun through thin haze.
+    vec3 sky = sky_without_clouds(d);
+    if (d.y > -0.002) {
+        vec4 cloud = clouds(d, 5);
+        float towards = max(dot(d, sun.xyz), 0.0);
+        // 0.6 degrees across would be true; a little larger reads as the disc through thin haze.
         float disc = smoothstep(0.99988, 0.99996, towards);
-        sky += vec3(18.0, 15.5, 11.5) * disc * (1.0 - 0.6 * cover);
+        sky += sun_light.rgb * disc * mix(4.0, 2.4, sky_ambient.w) * (1.0 - overcast.w);
+        if (sky_ambient.w > 0.3) sky += vec3(0.0011) * stars(d) * (sky_ambient.w - 0.3) * max(d.y * 3.0, 0.0);
+        sky = sky * (1.0 - cloud.a) + cloud.rgb;
     }
     colour = vec4(displayed(sky), 1.0);
 }

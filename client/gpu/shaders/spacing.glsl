@@ -1,18 +1,72 @@
 // Vertex spacing and edge levels; twin of client/scene/edge_level.hpp and protocol/model/displayed.hpp.
 
-/// Wanted vertex spacing in metres at a place of the still water, relative to the anchor.
-float sea_spacing(ivec2 place) {
+const int refinement_screen = 1;   // Refinement of draw_options.hpp
+const int refinement_frustum = 2;
+const float least_foreshortening = 0.5;
+const float spacing_outside_view = 0.125;
+
+/// Metres along x and z from the eye that the mesh is made for to a place relative to the anchor.
+vec2 from_mesh_eye(ivec2 place) {
     precise float dx = (float(place.x - mesh_cell.x) - mesh_eye.x) * lattice_unit;
     precise float dz = (float(place.y - mesh_cell.y) - mesh_eye.y) * lattice_unit;
-    precise float distance = sqrt((dx * dx + dz * dz) + mesh_eye.z * mesh_eye.z);
+    return vec2(dx, dz);
+}
+
+/// Wanted vertex spacing in metres at a place of the still water, by the distance alone.
+float sea_spacing(ivec2 place) {
+    precise vec2 d = from_mesh_eye(place);
+    precise float distance = sqrt((d.x * d.x + d.y * d.y) + mesh_eye.z * mesh_eye.z);
     precise float by_angle = distance * mesh_filter.y;
     return by_angle > mesh_filter.x ? by_angle : mesh_filter.x;
 }
 
+/// The same by the criterion in force: outside of the view it grows with the distance from the view.
+float mesh_spacing(ivec2 place) {
+    precise float spacing = sea_spacing(place);
+    if (choice.z != refinement_frustum) return spacing;
+    precise vec2 d = from_mesh_eye(place);
+    precise float inside = 0.0;
+    for (int i = 0; i < 4; ++i) {
+        precise float from_side = (mesh_sides[i].x * d.x + mesh_sides[i].z * d.y) +
+                                  (mesh_sides[i].w - mesh_sides[i].y * mesh_eye.z);
+        inside = min(inside, from_side);
+    }
+    precise float outside = -inside * spacing_outside_view;
+    return max(spacing, outside);
+}
+
+/// Square of an edge's length in metres as the criterion sees it: on the screen, the part across the line of sight. The edge in
+/// lattice units, and its middle.
+float mesh_length2(ivec2 middle, ivec2 edge) {
+    precise float x = float(edge.x) * lattice_unit;
+    precise float z = float(edge.y) * lattice_unit;
+    precise float whole = x * x + z * z;
+    if (choice.z != refinement_screen) return whole;
+    precise vec2 d = from_mesh_eye(middle);
+    precise float along = x * d.x + z * d.y;
+    precise float distance2 = (d.x * d.x + d.y * d.y) + mesh_eye.z * mesh_eye.z;
+    precise float across = whole - along * along / distance2;
+    precise float least = whole * (least_foreshortening * least_foreshortening);
+    return max(across, least);
+}
+
+/// Spacing that the displayed waves at a place are chosen for: nowhere finer than the mesh.
+float shown_spacing(ivec2 place) {
+    if (choice.z != refinement_screen) return mesh_spacing(place);
+    precise vec2 d = from_mesh_eye(place);
+    precise float height2 = mesh_eye.z * mesh_eye.z;
+    precise float share = sqrt(height2 / ((d.x * d.x + d.y * d.y) + height2));
+    precise float spacing = sea_spacing(place) / max(share, least_foreshortening);
+    return spacing;
+}
+
 /// Segments of an edge from a place, `side` lattice units along x or z: 2 to 64, a power of two.
 int edge_level(ivec2 start, bool along_x, int side) {
-    int middle = side >> 1;
-    precise float wanted = (float(side) * lattice_unit) / sea_spacing(start + (along_x ? ivec2(middle, 0) : ivec2(0, middle)));
+    int half_side = side >> 1;
+    ivec2 middle = start + (along_x ? ivec2(half_side, 0) : ivec2(0, half_side));
+    precise float length = float(side) * lattice_unit;
+    if (choice.z == refinement_screen) length = sqrt(mesh_length2(middle, along_x ? ivec2(side, 0) : ivec2(0, side)));
+    precise float wanted = length / mesh_spacing(middle);
     int level = 2;
     for (int next = 2; next < 64; next *= 2)
         if (wanted >= float(next) * 1.41421354) level = next * 2;

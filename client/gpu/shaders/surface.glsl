@@ -13,6 +13,7 @@ flat out ivec2 probe_place;
 flat out vec3 probe_shift;
 flat out vec3 probe_normal;
 flat out uint probe_phases;
+flat out uvec2 probe_trains;
 #endif
 
 /// `place` relative to the anchor; `spacing` of the vertices there, m, a function of place and eye alone; `level` of the sea
@@ -31,5 +32,6 @@ void emit_surface(ivec2 place, int list, float spacing, int level) {
     probe_shift = sum_a;
     probe_normal = vertex.normal;
     probe_phases = phase_digest;
+    probe_trains = trains_counted;
 #endif
 }

@@ -35,10 +35,9 @@ float noise_fade_slope(float f) {
     return slope;
 }
 
-/// One octave at a place (low 32 bits of the position): height before the amplitude, derivatives per cell.
-vec3 noise_octave(int row, uvec2 place) {
-    ivec4 layers = texelFetch(sea_records, row);
-    float layer_fade = intBitsToFloat(texelFetch(sea_records, row + 1).x);
+/// One octave at a place (low 32 bits of the position): height before the amplitude, derivatives per cell. `layers`: hashes of the
+/// time layers before and after, log2 of the lattice step, position between the layers (float bits); `layer_fade`: its fade.
+vec3 noise_jet(ivec4 layers, float layer_fade, uvec2 place) {
     int step_log2 = layers.z;
     uvec2 cell = place >> step_log2;
     uvec2 next = (cell + 1u) & (0xffffffffu >> step_log2);
@@ -71,4 +70,9 @@ vec3 noise_octave(int row, uvec2 place) {
         at_time[t] = both;
     }
     return noise_blend(at_time[0], at_time[1], layer_fade);
+}
+
+/// The same by its row in the records.
+vec3 noise_octave(int row, uvec2 place) {
+    return noise_jet(texelFetch(sea_records, row), intBitsToFloat(texelFetch(sea_records, row + 1).x), place);
 }

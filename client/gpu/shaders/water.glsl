@@ -1,50 +1,14 @@
 // Colour of the water's surface, for the near mesh and the far disc alike; purely visual.
-uniform sampler2D ripple_map;  // slopes, their squares' sum, height (ripple_map.hpp)
-uniform sampler2D bed_map;     // height of the bed, m
+#include "ripples.glsl"
+#include "foam_look.glsl"
+#include "bed.glsl"
 
-const vec3 deep_water = vec3(0.006, 0.038, 0.060);
-const vec3 sand_below = vec3(0.42, 0.38, 0.28);
-const vec3 extinction = vec3(0.42, 0.085, 0.065);  // 1/m, clear coastal water
-const vec3 foam_colour = vec3(0.80, 0.83, 0.85);
+const vec3 deep_water = vec3(0.006, 0.036, 0.058);
+const vec3 foam_colour = vec3(0.86, 0.88, 0.90);
 
-// Sides of the tiles of three layers, m. Axes come from 3-4-5 triangles and a fifth of 1024 m holds whole tiles, so the layers
-// go on unbroken where the anchor moves.
-const float fine_tile = 1024.0 / 300.0;
-const float middle_tile = 1024.0 / 55.0;
-const float coarse_tile = 1024.0 / 15.0;
-
-struct Ripples {
-    vec2 slope;      // along x and z
-    float variance;  // of the slope, that the texture's averaging has taken away
-    float height;    // 0 to 1
-    float patches;   // the same at a coarse scale
-};
-
-/// One layer: slopes of variance `power` on a tile that travels along an axis. Where a tile has few pixels it would show as a
-/// pattern: there it turns into roughness, and costs no texture look-up. `pixel` is log2 of the metres a pixel covers.
-vec4 ripple_layer(vec2 rest, vec2 axis, float tile, vec2 travelled, float power, float footprint, float pixel) {
-    float clear = min(tile / (footprint * 150.0) - 0.3, 1.0);
-    if (clear <= 0.0) return vec4(0.0, 0.0, power, 0.5);
-    vec2 uv = vec2(dot(rest, axis), dot(rest, vec2(-axis.y, axis.x))) / tile - travelled;
-    vec4 texel = textureLod(ripple_map, uv, pixel - log2(tile / 256.0));
-    vec2 slope = texel.xy * clear;
-    // The mean of the squares is 1 by construction.
-    float lost = max(mix(1.0, texel.z, clear) - dot(slope, slope), 0.0) * power;
-    slope *= sqrt(power);
-    return vec4(axis * slope.x + vec2(-axis.y, axis.x) * slope.y, lost, texel.w);
-}
-
-/// Short waves that the mesh cannot carry, and in the coarse layer those that it no longer carries at this distance.
-Ripples ripples_at(vec2 rest, float power, float faded, float distance) {
-    vec2 across = dFdx(rest);
-    vec2 down = dFdy(rest);
-    float pixel = 0.5 * log2(max(dot(across, across), dot(down, down)) + 1e-12) + -0.5;
-    float footprint = distance * picture.x;
-    vec4 a = ripple_layer(rest, ripple_axes.xy, fine_tile, scroll.xw, 1.4 * power, footprint, pixel);
-    vec4 b = ripple_layer(rest, ripple_axes.zw, middle_tile, scroll.yw, power, footprint, pixel);
-    vec4 c = ripple_layer(rest, ripple_axes.xy, coarse_tile, scroll.zw, faded, footprint, pixel);
-    return Ripples(a.xy + b.xy + c.xy, a.z + b.z + c.z, 0.5 * (a.w + b.w), c.w);
-}
+const int far_combined = 0;
+const int far_spectrum = 1;
+const int far_texture = 2;
 
 /// Mean Fresnel reflectance of a rough sea (Bruneton et al. 2010, eq. 16), n = 1.34.
 float fresnel(float cosine, float sigma2) {
@@ -61,39 +25,47 @@ float glitter(vec3 view, vec2 slope, float sigma2) {
     float g2 = grazing * grazing;
     float f = 0.0211 + 0.9789 * g2 * g2 * grazing;
     float h2 = h.y * h.y;
-    return min(f * p / (4.0 * h2 * h2 * max(view.y, 0.08)), 9.0);
+    return min(f * p / (4.0 * h2 * h2 * max(view.y, 0.06)), 14.0);
 }
 
-/// Light from below the surface: deep water, or the bed through shallow water.
-vec3 body(float depth, vec3 view, vec3 normal, float crest) {
-    vec3 down_light = sky_ambient * 0.75 + sun_light * (0.25 * sun.y);
+/// Light that comes up out of deep water; crests against the light let some through.
+vec3 deep_light(vec3 view, vec3 normal, float crest) {
+    vec3 down_light = sky_ambient.rgb * 0.8 + sun_light.rgb * (0.25 * max(sun.y, 0.0));
     float sunwards = max(dot(-view.xz, sun.xz), 0.0);
     vec3 deep = deep_water * down_light * (0.85 + 0.3 * normal.y);
-    deep += vec3(0.008, 0.060, 0.055) * (crest * (0.35 + 1.6 * sunwards * sunwards));
-    vec3 seen = exp(-extinction * (2.2 * max(depth, 0.0)));
-    return mix(deep, sand_below * down_light, seen);
+    vec3 lit = 0.30 * sky_ambient.rgb + sun_light.rgb * (0.16 * sunwards * sunwards);
+    return deep + vec3(0.010, 0.060, 0.050) * lit * crest;
 }
 
-/// Share of the surface that is foam: where crests fold, and where waves break on the shore.
-float foam_share(float jacobian, float depth, float waves, Ripples ripples) {
-    float folding = 1.0 - smoothstep(foam.x - 0.35, foam.x, jacobian);
-    // Runs of white that come and go with the depth under them, broken up by the ripples.
-    float surf_depth = foam.y + 1.2 * waves;
-    float near_shore = 1.0 - smoothstep(0.15, surf_depth, depth);
-    float runs = 0.5 + 0.5 * sin(depth * 5.0 + picture.z * 1.1 + 3.0 * ripples.height);
-    float surf = near_shore * smoothstep(0.35, 0.8, runs * (0.55 + 0.9 * ripples.patches)) * step(-1.5, depth);
-    float lace = smoothstep(0.32, 0.62, ripples.height);
-    return clamp(folding * (0.25 + 0.75 * lace) + surf * (0.35 + 0.65 * lace), 0.0, 1.0);
+struct Roughness {
+    float ripples;  // slope variance of the normal map's fine layers
+    float faded;    // of its coarse layer: waves that the mesh no longer carries
+    float rest;     // of what is neither displaced nor mapped
+};
+
+/// Shares out the slope variance that the mesh leaves over (`waves`: height, not displayed, of the whole sea), so that with the
+/// mesh's own it sums up to Cox and Munk's at every distance. In a lee, where there is less of the sea, there are fewer ripples.
+Roughness roughness_of(vec3 waves) {
+    float exposed = clamp(waves.z / max(sea_state.x, 1e-5), 0.12, 1.3);
+    float added = sea_state.y * exposed;
+    if (choice.y == far_spectrum) return Roughness(0.0, 0.0, added + waves.y);
+    float mapped = min(0.72 * added, 0.048);
+    float coarse = min(0.85 * waves.y, 0.022);
+    return Roughness(mapped, coarse, added - mapped + waves.y - coarse);
 }
 
-/// Height of the bed, m, and how far outside the terrain's raster the place lies, m: there the bed falls from the raster's
-/// edge to the open sea's (height_at, terrain.cpp).
-vec2 bed_at(vec2 rest) {
-    vec2 at = rest * bed_transform.xy + bed_transform.zw;
-    vec2 half_texel = 0.5 / vec2(textureSize(bed_map, 0));
-    vec2 beyond = abs(at - clamp(at, half_texel, 1.0 - half_texel)) / bed_transform.xy;
-    float outside = max(beyond.x, beyond.y);
-    return vec2(mix(texture(bed_map, at).x, foam.z, min(outside / foam.w, 1.0)), outside);
+/// Share of white, 0 to 1, at a place.
+float whiteness(float jacobian, float depth, vec3 waves, vec2 rest, Ripples ripples, float pixel) {
+    vec2 p = along_wind(rest);
+    vec2 history = remembered_foam(rest);
+    float unknown = clamp(waves.y / max(waves.z, 1e-6), 0.0, 1.0);
+    float exposed = clamp(waves.z / max(sea_state.x, 1e-5), 0.0, 1.0);
+    float caps = whitecaps(jacobian, unknown, p, pixel) * smoothstep(0.2, 0.8, exposed);
+    // Where the map remembers, what breaks just now is the smaller part of the foam.
+    float density = max(caps * (1.0 - 0.5 * history.y), history.x);
+    float white = laced(density, p, pixel);
+    float at_shore = surf(depth, sqrt(max(waves.z, 0.0)) * 4.0, rest, ripples, pixel);
+    return clamp(white + laced(at_shore, rest, pixel), 0.0, 1.0);
 }
 
 vec4 water_colour(vec3 position, vec3 mesh_normal, vec2 rest, vec3 interpolated) {
@@ -101,12 +73,12 @@ vec4 water_colour(vec3 position, vec3 mesh_normal, vec2 rest, vec3 interpolated)
     vec3 waves = vec3(interpolated.x, max(interpolated.yz, 0.0));
     float distance = length(position);
     vec3 view = -position / distance;
-    float power = min(0.0035 + 0.20 * waves.z, 0.014);
-    float coarse = min(0.8 * waves.y + 0.1 * waves.z, 0.018);
-    Ripples ripples = ripples_at(rest, power, coarse, distance);
+    float pixel = log2_pixel(rest);
+    Roughness rough = roughness_of(waves);
+    Ripples ripples = ripples_at(rest, rough.ripples, rough.faded, distance * picture.x, pixel);
     vec2 slope = -mesh_normal.xz / max(mesh_normal.y, 0.15) + ripples.slope;
     vec3 normal = normalize(vec3(-slope.x, 1.0, -slope.y));
-    float sigma2 = 0.5 * (ripples.variance + max(waves.y - coarse, 0.0)) + 0.0008;
+    float sigma2 = 0.5 * (ripples.variance + rough.rest) + 0.0007;
 
     vec2 bed = bed_at(rest);
     float depth = waves.x - bed.x;
@@ -116,14 +88,15 @@ vec4 water_colour(vec3 position, vec3 mesh_normal, vec2 rest, vec3 interpolated)
     float cosine = max(facing, 0.0) + 0.25 * sqrt(sigma2) * (1.0 - max(facing, 0.0));
     float reflectance = fresnel(min(cosine, 1.0), sigma2);
     vec3 r = reflect(-view, normal);
-    r.y = sqrt(r.y * r.y + 0.35 * sigma2);
-    vec3 reflected = sky_radiance(normalize(r));
-    float crest = clamp(waves.x * 0.45 + 0.15, 0.0, 1.0) * clamp(1.0 - facing, 0.0, 1.0);
-    vec3 colour = mix(body(depth, view, normal, crest), reflected, reflectance);
-    colour += sun_light * (0.5 * glitter(view, slope, sigma2));
-    float white = foam_share(mesh_normal.y, depth, sqrt(waves.z), ripples);
-    vec3 foam_light = foam_colour * (sky_ambient + sun_light * (0.32 * max(dot(normal, sun.xyz), 0.0)));
-    colour = mix(colour, foam_light, white * 0.9);
+    r.y = sqrt(r.y * r.y + 0.7 * sigma2);
+    vec3 reflected = reflected_sky(normalize(r), 0.5 * log2(sigma2) + 6.0);
+    float crest = clamp(waves.x * 0.30 + 0.15, 0.0, 1.0) * clamp(1.0 - facing, 0.0, 1.0);
+    vec3 below = through_water(rest, waves.x, depth, view, normal, deep_light(view, normal, crest), distance);
+    vec3 colour = mix(below, reflected, reflectance);
+    colour += sun_light.rgb * (0.5 * glitter(view, slope, sigma2));
+    float white = whiteness(mesh_normal.y, depth, waves, rest, ripples, pixel);
+    vec3 foam_light = foam_colour * (sky_ambient.rgb * 0.95 + sun_light.rgb * (0.30 * max(dot(normal, sun.xyz), 0.0)));
+    colour = mix(colour, foam_light, white * 0.92);
     // No land is drawn beyond the raster, so nothing but water may show there.
     float cover = bed.y > 0.5 ? 1.0 : clamp(depth * 3.0, 0.0, 1.0);
     return vec4(displayed(hazed(colour, position)), max(cover, 0.0));

@@ -6,7 +6,7 @@ namespace {
 
 uint32_t pair(uint16_t west, uint16_t east) { return uint32_t{west} | (uint32_t{east} << 16); }
 
-void load_cell(const LandField& field, int32_t nx, int32_t nz, SpanCells& c, size_t i) {
+void load_cell(const PlannedField& field, int32_t nx, int32_t nz, SpanCells& c, size_t i) {
     const LandBlock* block = field.find({nx >> 4, nz >> 4});
     if (block == nullptr) {
         c.p00[i] = c.p10[i] = c.p01[i] = c.p11[i] = 0;
@@ -40,7 +40,7 @@ void copy_cell(SpanCells& c, size_t i) {
 
 }  // namespace
 
-void load_cells(const LandField& field, const SpanPlaces& at, SpanCells& c) {
+void load_cells(const PlannedField& field, const SpanPlaces& at, SpanCells& c) {
     if (c.version == at.version) return;
     const auto refresh = [&](size_t i) {
         // Along a row most points share their neighbour's cell, which is up to date by now.

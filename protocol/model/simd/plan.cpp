@@ -11,6 +11,8 @@ namespace {
 
 /// Blocks that a tile may look at to find out that a field has none there.
 constexpr int64_t most_looks = 16;
+/// Blocks of a PlannedField's table.
+constexpr int64_t most_blocks = 1024;
 
 uint32_t low(int64_t v) { return static_cast<uint32_t>(static_cast<uint64_t>(v)); }
 
@@ -59,9 +61,25 @@ bool has_blocks(const LandField& field) {
     return false;
 }
 
-/// Whether some block of the field may touch the rectangle.
-bool may_touch(const LandField& field, const LatticeRect& rect) {
+PlannedField planned(const LandField& field, const LatticeRect& rect) {
+    PlannedField out;
+    out.field = &field;
     const BlockRange range = blocks_touching(rect, field.step_log2());
+    const int64_t columns = int64_t{range.last.x} - range.first.x + 1;
+    const int64_t rows = int64_t{range.last.z} - range.first.z + 1;
+    if (columns > most_blocks || rows > most_blocks || columns * rows > most_blocks) return out;
+    out.first = range.first;
+    out.columns = static_cast<uint32_t>(columns);
+    out.rows = static_cast<uint32_t>(rows);
+    out.blocks.reserve(static_cast<size_t>(columns * rows));
+    for (int32_t z = range.first.z; z <= range.last.z; ++z)
+        for (int32_t x = range.first.x; x <= range.last.x; ++x) out.blocks.push_back(field.find({x, z}));
+    return out;
+}
+
+/// Whether some block of the field may touch the rectangle.
+bool may_touch(const PlannedField& field, const LatticeRect& rect) {
+    const BlockRange range = blocks_touching(rect, field.field->step_log2());
     const int64_t columns = int64_t{range.last.x} - range.first.x + 1;
     const int64_t rows = int64_t{range.last.z} - range.first.z + 1;
     if (columns > most_looks || rows > most_looks || columns * rows > most_looks) return true;
@@ -107,7 +125,7 @@ Plan plan_of(const SeaInstant& sea, LatticePoint origin, int64_t step_x, int64_t
         if (box.uneven) plan_irregular(box);
         if (land)
             for (const auto& field : prepared.fields) {
-                box.fields.push_back(field.get());
+                box.fields.push_back(planned(*field, rect));
                 plan.steps |= 1U << field->step_log2();
             }
         box.first_field = plan.all_fields;
@@ -182,7 +200,7 @@ void stretches_of(const Plan& plan, const LatticeRect& rect, std::vector<Stretch
         bool any_field = false;
         if (even)
             for (size_t f = 0; f < box.fields.size(); ++f)
-                if (f >= 63 || may_touch(*box.fields[f], rect)) {
+                if (f >= 63 || may_touch(box.fields[f], rect)) {
                     touched |= uint64_t{1} << std::min<size_t>(f, 63);
                     any_field = true;
                 }

@@ -36,6 +36,21 @@ struct SideRamp {
     float slope = 0.0F;
 };
 
+/// A field with its blocks around the plan's points laid out as a table, where they are few enough.
+struct PlannedField {
+    const LandField* field = nullptr;
+    BlockKey first;
+    uint32_t columns = 0;
+    uint32_t rows = 0;
+    std::vector<const LandBlock*> blocks;
+    /// LandField::find.
+    const LandBlock* find(BlockKey key) const {
+        const uint32_t column = static_cast<uint32_t>(key.x) - static_cast<uint32_t>(first.x);
+        const uint32_t row = static_cast<uint32_t>(key.z) - static_cast<uint32_t>(first.z);
+        return column < columns && row < rows ? blocks[row * columns + column] : field->find(key);
+    }
+};
+
 /// A box of the sea with what does not depend on the point.
 struct PlannedBox {
     const LiveBox* live = nullptr;
@@ -55,7 +70,7 @@ struct PlannedBox {
     float share = 0.0F;
     float ukx = 0.0F, ukz = 0.0F, vkx = 0.0F, vkz = 0.0F;  ///< rad/m
     /// The box's fields that are switched on and have blocks, as PreparedBox orders them; empty where land is switched off.
-    std::vector<const LandField*> fields;
+    std::vector<PlannedField> fields;
     size_t first_field = 0;  ///< index of the first among all boxes' fields
 };
 

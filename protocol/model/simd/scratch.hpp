@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "protocol/model/ordered_sum.hpp"
 #include "protocol/model/simd/plan.hpp"
 
 namespace trochoid::simd {
@@ -14,6 +15,11 @@ using SpanOf = std::array<T, span_points>;
 struct alignas(64) SpanSums {
     SpanOf<float> ax, ay, az, bx, bz, mxx, mxz, mzx, mzz, vx, vy, vz;
 };
+/// Those of one point.
+inline Sums sums_at(const SpanSums& m, size_t i) {
+    return {m.ax[i],  m.ay[i],  m.az[i],  m.bx[i], m.bz[i], m.mxx[i],
+            m.mxz[i], m.mzx[i], m.mzz[i], m.vx[i], m.vy[i], m.vz[i]};
+}
 
 /// A box's envelope over a span.
 struct alignas(64) SpanEnvelope {
@@ -54,10 +60,11 @@ struct alignas(64) SpanCells {
     uint32_t version = 0;  ///< that of the places
 };
 
-/// Phases of a train at a vector's points, with room for the longest, and what the next vector's are ahead.
+/// Phases of a train at a vector's points, with room for the longest, and how far ahead the next ones are: those of the next vector
+/// in the row, and from a row's last vector those of the next row's first.
 struct alignas(64) PhaseVector {
     std::array<uint32_t, 16> turns;
-    uint32_t step = 0;
+    std::array<uint32_t, 2> moves;
 };
 
 struct Scratch {
@@ -77,7 +84,7 @@ struct Scratch {
 };
 
 /// Nodes around the points: looks up what has changed since the last call.
-void load_cells(const LandField& field, const SpanPlaces& places, SpanCells& cells);
+void load_cells(const PlannedField& field, const SpanPlaces& places, SpanCells& cells);
 
 /// n rounded up to the longest vector.
 inline size_t padded_count(int n) { return (static_cast<size_t>(n) + 15) & ~size_t{15}; }

@@ -34,86 +34,110 @@ struct GridWork {
 HWY_BEFORE_NAMESPACE();
 namespace trochoid::simd::HWY_NAMESPACE {
 
-/// Results of a vector go to one plane; the last vector of a row may stick out.
-HWY_INLINE void put(VecF v, float* plane, size_t at, size_t left) {
-    if (plane == nullptr) return;
-    if (left >= lanes) {
-        hn::StoreU(v, df, plane + at);
-        return;
+/// Where a vector of results goes: straight to its plane, or, where the row ends within it, by way of a vector in memory.
+struct Whole {
+    HWY_INLINE void operator()(VecF v, float* to) const { hn::StoreU(v, df, to); }
+};
+struct Part {
+    size_t points;
+    HWY_INLINE void operator()(VecF v, float* to) const {
+        HWY_ALIGN float values[lanes];
+        hn::Store(v, df, values);
+        std::memcpy(to, values, points * sizeof(float));
     }
-    HWY_ALIGN float row[lanes];
-    hn::Store(v, df, row);
-    std::memcpy(plane + at, row, left * sizeof(float));
+};
+
+/// SeaInstant's `finish` for the vector of the sums at i, into the planes at `to`.
+template <int parts, class Put>
+HWY_INLINE void finish_vector(const SurfacePlanes& out, const SpanSums& m, size_t i, size_t to, Put store) {
+    const auto put = [&](VecF v, float* plane) HWY_ATTR {
+        if (plane != nullptr) store(v, plane + to);
+    };
+    put(hn::Load(df, &m.ax[i]), out.ax);
+    put(hn::Load(df, &m.ay[i]), out.ay);
+    put(hn::Load(df, &m.az[i]), out.az);
+    if constexpr ((parts & sum_matrix) != 0) {
+        const VecF one = splat(1.0F);
+        const VecF pxx = sub(one, hn::Load(df, &m.mxx[i]));
+        const VecF pxz = hn::Neg(hn::Load(df, &m.mxz[i]));
+        const VecF pzx = hn::Neg(hn::Load(df, &m.mzx[i]));
+        const VecF pzz = sub(one, hn::Load(df, &m.mzz[i]));
+        const VecF yx = hn::Neg(hn::Load(df, &m.bx[i]));
+        const VecF yz = hn::Neg(hn::Load(df, &m.bz[i]));
+        put(pxx, out.pxx);
+        put(pxz, out.pxz);
+        put(pzx, out.pzx);
+        put(pzz, out.pzz);
+        put(yx, out.yx);
+        put(yz, out.yz);
+        put(sub(mul(yz, pzx), mul(pzz, yx)), out.nx);
+        put(sub(mul(pzz, pxx), mul(pxz, pzx)), out.ny);
+        put(sub(mul(pxz, yx), mul(yz, pxx)), out.nz);
+    }
+    if constexpr ((parts & sum_speed) != 0) {
+        put(hn::Load(df, &m.vx[i]), out.vx);
+        put(hn::Load(df, &m.vy[i]), out.vy);
+        put(hn::Load(df, &m.vz[i]), out.vz);
+    }
 }
 
-/// SeaInstant's `finish`, into the planes from point `first` on.
+/// A row of sums into the planes from point `first` on. Has its own copy of the planes, which no store can change.
 template <int parts>
-HWY_INLINE void finish_row(const SurfacePlanes& out, const SpanSums& m, size_t first, int n) {
-    for (size_t i = 0; i < static_cast<size_t>(n); i += lanes) {
-        const size_t at = first + i;
-        const size_t left = static_cast<size_t>(n) - i;
-        put(hn::Load(df, &m.ax[i]), out.ax, at, left);
-        put(hn::Load(df, &m.ay[i]), out.ay, at, left);
-        put(hn::Load(df, &m.az[i]), out.az, at, left);
-        if constexpr ((parts & sum_matrix) != 0) {
-            const VecF one = splat(1.0F);
-            const VecF pxx = sub(one, hn::Load(df, &m.mxx[i]));
-            const VecF pxz = hn::Neg(hn::Load(df, &m.mxz[i]));
-            const VecF pzx = hn::Neg(hn::Load(df, &m.mzx[i]));
-            const VecF pzz = sub(one, hn::Load(df, &m.mzz[i]));
-            const VecF yx = hn::Neg(hn::Load(df, &m.bx[i]));
-            const VecF yz = hn::Neg(hn::Load(df, &m.bz[i]));
-            put(pxx, out.pxx, at, left);
-            put(pxz, out.pxz, at, left);
-            put(pzx, out.pzx, at, left);
-            put(pzz, out.pzz, at, left);
-            put(yx, out.yx, at, left);
-            put(yz, out.yz, at, left);
-            put(sub(mul(yz, pzx), mul(pzz, yx)), out.nx, at, left);
-            put(sub(mul(pzz, pxx), mul(pxz, pzx)), out.ny, at, left);
-            put(sub(mul(pxz, yx), mul(yz, pxx)), out.nz, at, left);
+HWY_NOINLINE void finish_row(const SurfacePlanes out, const SpanSums& m, size_t first, size_t n) {
+    size_t i = 0;
+    for (; i + lanes <= n; i += lanes) finish_vector<parts>(out, m, i, first + i, Whole{});
+    if (i != n) finish_vector<parts>(out, m, i, first + i, Part{n - i});
+}
+
+/// Readies the phases of every train of at.stretches for the part whose first point is (i0, j0) and whose rows are n points long.
+inline void start_phases(const Plan& plan, int32_t i0, int32_t j0, int n, Scratch& at) {
+    const VecU lane = hn::Iota(du, 0);
+    const auto width = static_cast<uint32_t>(lanes);
+    const uint32_t vectors = (static_cast<uint32_t>(n) + width - 1) / width;
+    for (const Stretch& stretch : at.stretches)
+        for (int32_t t = stretch.first_row; t < stretch.first_row + stretch.rows; ++t) {
+            const TrainRow& row = plan.rows[static_cast<size_t>(t)];
+            PhaseVector& phases = at.phases[static_cast<size_t>(t)];
+            const uint32_t start =
+                row.phase + static_cast<uint32_t>(j0) * row.kz + static_cast<uint32_t>(i0) * row.kx;
+            hn::Store(hn::Add(hn::Set(du, start), hn::Mul(lane, hn::Set(du, row.kx))), du,
+                      phases.turns.data());
+            const uint32_t step = row.kx * width;
+            phases.moves = {step, row.kz - (vectors - 1) * step};
         }
-        if constexpr ((parts & sum_speed) != 0) {
-            put(hn::Load(df, &m.vx[i]), out.vx, at, left);
-            put(hn::Load(df, &m.vy[i]), out.vy, at, left);
-            put(hn::Load(df, &m.vz[i]), out.vz, at, left);
-        }
-    }
 }
 
 template <int parts>
 void sum_row(const GridWork& work, int32_t i0, int32_t j, int n, Scratch& at) {
-    const Plan& plan = work.plan;
-    const auto start = [&](const Stretch& stretch) HWY_ATTR {
-        const VecU lane = hn::Iota(du, 0);
-        for (size_t t = 0; t < static_cast<size_t>(stretch.rows); ++t) {
-            const TrainRow& row = plan.rows[static_cast<size_t>(stretch.first_row) + t];
-            const uint32_t at_start =
-                row.phase + static_cast<uint32_t>(j) * row.kz + static_cast<uint32_t>(i0) * row.kx;
-            hn::Store(hn::Add(hn::Set(du, at_start), hn::Mul(lane, hn::Set(du, row.kx))), du,
-                      at.phases[t].turns.data());
-            at.phases[t].step = row.kx * static_cast<uint32_t>(lanes);
-        }
-    };
-    const auto phases = [&](size_t) HWY_ATTR { return RowPhases{at.phases.data()}; };
-    sum_span<parts>(plan, n, at, start, phases);
+    const auto last = static_cast<size_t>(n - 1) / lanes * lanes;
+    sum_span<parts>(work.plan, n, at, [&at, last](const Stretch& stretch) HWY_ATTR {
+        PhaseVector* phases = at.phases.data() + stretch.first_row;
+        return [phases, last](size_t i) HWY_ATTR { return RowPhases{phases, i == last ? 1U : 0U}; };
+    });
     finish_row<parts>(work.planes, at.sums,
                       static_cast<size_t>(j) * static_cast<size_t>(work.grid.nx) + static_cast<size_t>(i0),
-                      n);
+                      static_cast<size_t>(n));
 }
 
 /// A part of a tile, n points wide, that at.stretches belong to.
 void sum_part(const GridWork& work, int32_t i0, int32_t j0, int n, int32_t end, Scratch& at) {
     const LatticeGrid& grid = work.grid;
     at.padded = padded_count(n);
-    for (size_t i = 0; i < at.padded; ++i) {
+    // Trains on open water need no places, only phases.
+    const bool placed = std::any_of(at.stretches.begin(), at.stretches.end(),
+                                    [](const Stretch& s) { return s.box != nullptr; });
+    for (size_t i = 0; placed && i < at.padded; ++i) {
         at.x[i] = grid.at(i0 + std::min<int32_t>(static_cast<int32_t>(i), n - 1), j0).x;
         at.x_low[i] = static_cast<uint32_t>(static_cast<uint64_t>(at.x[i]));
     }
+    start_phases(work.plan, i0, j0, n, at);
     for (int32_t j = j0; j < end; ++j) {
-        const int64_t z = grid.at(i0, j).z;
-        for (size_t i = 0; i < at.padded; ++i) at.z[i] = z;
-        for (size_t i = 0; i < at.padded; ++i) at.z_low[i] = static_cast<uint32_t>(static_cast<uint64_t>(z));
+        if (placed) {
+            const int64_t z = grid.at(i0, j).z;
+            for (size_t i = 0; i < at.padded; ++i) at.z[i] = z;
+            for (size_t i = 0; i < at.padded; ++i)
+                at.z_low[i] = static_cast<uint32_t>(static_cast<uint64_t>(z));
+        }
         if (work.speed)
             sum_row<sum_all>(work, i0, j, n, at);
         else if (work.matrix)
@@ -123,7 +147,7 @@ void sum_part(const GridWork& work, int32_t i0, int32_t j0, int n, int32_t end, 
     }
 }
 
-void GridTile(const GridWork& work, int32_t i0, int32_t j0, Scratch& at) {
+void grid_tile(const GridWork& work, int32_t i0, int32_t j0, Scratch& at) {
     constexpr int32_t narrow = 16;
     const LatticeGrid& grid = work.grid;
     const int32_t n = std::min<int32_t>(span_points, grid.nx - i0);
@@ -151,7 +175,7 @@ HWY_AFTER_NAMESPACE();
 namespace trochoid {
 
 namespace simd {
-HWY_EXPORT(GridTile);
+HWY_EXPORT(grid_tile);
 }  // namespace simd
 
 namespace {
@@ -186,7 +210,7 @@ void evaluate_grid(const SeaInstant& sea, const LatticeGrid& grid, const Surface
         if (!mine) mine = std::make_unique<simd::Scratch>(plan);
         for (size_t column = 0; column < columns; ++column) {
             using namespace simd;
-            HWY_DYNAMIC_DISPATCH(GridTile)
+            HWY_DYNAMIC_DISPATCH(grid_tile)
             (work, static_cast<int32_t>(column) * span_points, static_cast<int32_t>(row) * tile_rows, *mine);
         }
     });

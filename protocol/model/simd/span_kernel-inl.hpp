@@ -51,13 +51,15 @@ HWY_INLINE void visit_sums(Sums& s, SpanSums& m, Visit visit) {
     }
 }
 
-/// Phases along a grid's row: one vector a train, moved on by one vector's width each time it is read.
+/// Phases over a grid's tile: one vector a train, moved on each time it is read: by one vector's width, at a row's end to the
+/// start of the next one.
 struct RowPhases {
     PhaseVector* table;
+    size_t move;  ///< index into PhaseVector::moves
     HWY_INLINE VecU take(const TrainRow&, size_t train) const {
         uint32_t* at = table[train].turns.data();
         const VecU phase = hn::Load(du, at);
-        hn::Store(hn::Add(phase, hn::Set(du, table[train].step)), du, at);
+        hn::Store(hn::Add(phase, hn::Set(du, table[train].moves[move])), du, at);
         return phase;
     }
     /// Passes over a vector that needs no sum.
@@ -132,19 +134,37 @@ HWY_INLINE void sum_run(size_t first, size_t end, Phase phase, AddTrain add_trai
     }
 }
 
-/// Trains where the envelope is full and nothing else acts.
-template <int parts, bool unit_gain, class Phases>
-HWY_INLINE void sum_fast(const TrainRow* rows, size_t count, const Phases& phases, Sums& acc) {
-    sum_run<many_registers>(
-        0, count, [&](size_t t) HWY_ATTR { return phases.take(rows[t], t); },
-        [&](size_t t, const Wave& wave) HWY_ATTR {
-            if constexpr (unit_gain) {
-                add_ready<parts>(rows[t], wave.sine, wave.cosine, acc);
-            } else {
-                const VecF g = splat(rows[t].g);
-                add_ready<parts>(rows[t], mul(g, wave.sine), mul(g, wave.cosine), acc);
-            }
-        });
+/// Calls sum(i, phases, acc) for each vector of a span, i its first point. `first`: nothing has been summed yet.
+template <int parts, class MakePhases, class Sum>
+HWY_INLINE void each_vector(bool first, size_t n, SpanSums& sums, const MakePhases& make_phases, Sum sum) {
+    for (size_t i = 0; i < n; i += lanes) {
+        Sums acc;
+        if (first)
+            visit_sums<parts>(acc, sums, [](VecF& v, SpanOf<float>&) HWY_ATTR { v = hn::Zero(df); });
+        else
+            visit_sums<parts>(acc, sums,
+                              [i](VecF& v, SpanOf<float>& m) HWY_ATTR { v = hn::Load(df, &m[i]); });
+        sum(i, make_phases(i), acc);
+        visit_sums<parts>(acc, sums, [i](VecF& v, SpanOf<float>& m) HWY_ATTR { hn::Store(v, df, &m[i]); });
+    }
+}
+
+/// Trains where the envelope is full and nothing else acts. Not inlined: alone in its function the loop keeps its registers.
+template <int parts, bool unit_gain, class MakePhases>
+HWY_NOINLINE void sum_fast(const TrainRow* rows, size_t count, bool first, size_t n, SpanSums& sums,
+                           const MakePhases make_phases) {
+    each_vector<parts>(first, n, sums, make_phases, [=](size_t, const auto& phases, Sums& acc) HWY_ATTR {
+        sum_run<many_registers>(
+            0, count, [&](size_t t) HWY_ATTR { return phases.take(rows[t], t); },
+            [&](size_t t, const Wave& wave) HWY_ATTR {
+                if constexpr (unit_gain) {
+                    add_ready<parts>(rows[t], wave.sine, wave.cosine, acc);
+                } else {
+                    const VecF g = splat(rows[t].g);
+                    add_ready<parts>(rows[t], mul(g, wave.sine), mul(g, wave.cosine), acc);
+                }
+            });
+    });
 }
 
 /// A vector of a SpanLocal, in registers over a run of trains.
@@ -267,22 +287,16 @@ HWY_INLINE void sum_stretch(const Plan& plan, const Stretch& stretch, bool first
                             MakePhases make_phases) {
     const TrainRow* rows = plan.rows.data() + stretch.first_row;
     const auto count = static_cast<size_t>(stretch.rows);
-    for (size_t i = 0; i < static_cast<size_t>(n); i += lanes) {
-        Sums acc;
-        if (first)
-            visit_sums<parts>(acc, at.sums, [](VecF& v, SpanOf<float>&) HWY_ATTR { v = hn::Zero(df); });
-        else
-            visit_sums<parts>(acc, at.sums,
-                              [i](VecF& v, SpanOf<float>& m) HWY_ATTR { v = hn::Load(df, &m[i]); });
-        const auto phases = make_phases(i);
-        if (stretch.kind == Stretch::Kind::fast_unit)
-            sum_fast<parts, true>(rows, count, phases, acc);
-        else if (stretch.kind == Stretch::Kind::fast)
-            sum_fast<parts, false>(rows, count, phases, acc);
-        else
-            sum_general<parts>(*stretch.box, at, rows, count, i, phases, acc);
-        visit_sums<parts>(acc, at.sums, [i](VecF& v, SpanOf<float>& m) HWY_ATTR { hn::Store(v, df, &m[i]); });
-    }
+    const auto points = static_cast<size_t>(n);
+    if (stretch.kind == Stretch::Kind::fast_unit)
+        sum_fast<parts, true>(rows, count, first, points, at.sums, make_phases);
+    else if (stretch.kind == Stretch::Kind::fast)
+        sum_fast<parts, false>(rows, count, first, points, at.sums, make_phases);
+    else
+        each_vector<parts>(first, points, at.sums, make_phases,
+                           [&](size_t i, const auto& phases, Sums& acc) HWY_ATTR {
+                               sum_general<parts>(*stretch.box, at, rows, count, i, phases, acc);
+                           });
 }
 
 inline void clear_sums(Scratch& at) {
@@ -292,9 +306,9 @@ inline void clear_sums(Scratch& at) {
                             [i](VecF&, SpanOf<float>& m) HWY_ATTR { hn::Store(hn::Zero(df), df, &m[i]); });
 }
 
-/// All stretches over a span; `start` readies the phases of a stretch.
-template <int parts, class Start, class MakePhases>
-HWY_INLINE void sum_span(const Plan& plan, int n, Scratch& at, Start start, MakePhases make_phases) {
+/// All stretches over a span. `phases_of(stretch)` gives what gives a vector's phases.
+template <int parts, class PhasesOf>
+HWY_INLINE void sum_span(const Plan& plan, int n, Scratch& at, PhasesOf phases_of) {
     bool first = true;
     const PlannedBox* shaped = nullptr;
     place_cells(plan, at);
@@ -308,8 +322,7 @@ HWY_INLINE void sum_span(const Plan& plan, int n, Scratch& at, Start start, Make
             if (stretch.box->wake) add_wake(*stretch.box, at, n);
             if (stretch.box->noise) add_noise_span(*stretch.box, at, n);
         } else {
-            start(stretch);
-            sum_stretch<parts>(plan, stretch, first, n, at, make_phases);
+            sum_stretch<parts>(plan, stretch, first, n, at, phases_of(stretch));
         }
         first = false;
     }

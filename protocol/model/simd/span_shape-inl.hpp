@@ -330,9 +330,9 @@ inline void shape_span(const Plan& plan, const PlannedBox& box, bool full, Scrat
     if (box.open_rows)
         for (size_t i = 0; i < count; i += lanes) combine(box, at.envelope, open_water(), at.locals[0], i);
     for (size_t f = 0; f < box.fields.size(); ++f) {
-        const LandField& field = *box.fields[f];
+        const LandField& field = *box.fields[f].field;
         SpanCells& cells = at.cells[box.first_field + f];
-        load_cells(field, at.places[static_cast<size_t>(field.step_log2() - 12)], cells);
+        load_cells(box.fields[f], at.places[static_cast<size_t>(field.step_log2() - 12)], cells);
         for (size_t i = 0; i < count; i += lanes)
             combine(box, at.envelope, sample_land(plan, field, cells, at, i), at.locals[f + 1], i);
     }

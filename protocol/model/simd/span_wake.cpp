@@ -1,4 +1,3 @@
-#include "protocol/model/ordered_sum.hpp"
 #include "protocol/model/simd/scratch.hpp"
 
 // Wakes act on few points of few boxes: the reference's own function, point by point, on the span's accumulators.
@@ -11,8 +10,7 @@ void add_wake(const PlannedBox& box, Scratch& at, int n) {
         const Envelope e{at.envelope.gain[i], at.envelope.dx[i], at.envelope.dz[i]};
         if (e.gain == 0) continue;
         const LatticePoint p{at.x[i], at.z[i]};
-        Sums acc{m.ax[i],  m.ay[i],  m.az[i],  m.bx[i], m.bz[i], m.mxx[i],
-                 m.mxz[i], m.mzx[i], m.mzz[i], m.vx[i], m.vy[i], m.vz[i]};
+        Sums acc = sums_at(m, i);
         trochoid::add_wake(acc, live, e, p);
         m.ax[i] = acc.ax;
         m.ay[i] = acc.ay;

@@ -11,4 +11,9 @@ namespace trochoid {
 void water_at_batch(const SeaInstant& sea, std::span<const LatticePoint> places, std::span<WaterPoint> out,
                     Workers& workers);
 
+/// SeaInstant::evaluate for many rest points inside the world, to the bit; out.size() == rests.size(). For a regular grid of them
+/// evaluate_grid is faster.
+void evaluate_batch(const SeaInstant& sea, std::span<const LatticePoint> rests, std::span<SurfaceSample> out,
+                    Workers& workers);
+
 }  // namespace trochoid

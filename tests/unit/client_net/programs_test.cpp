@@ -275,9 +275,10 @@ TEST(CtlReport, moving_boxes_are_listed_with_place_and_course) {
 
 TEST(CtlReport, refusals_say_what_to_do) {
     const auto said = [](ErrorCode code) { return refusal(CommandReply{1, code, "no", {}, {}, {}}); };
-    EXPECT_EQ(
-        said(ErrorCode::not_moving),
-        "the server refuses (605 world): no; ships and moving winds can be steered, trochoid-ctl list shows them");
+    // The server's message says what to do; the program adds only how it is told to, once.
+    EXPECT_EQ(said(ErrorCode::not_moving), "the server refuses (605 world): no");
+    EXPECT_EQ(said(ErrorCode::unknown_box), "the server refuses (602 world): no (trochoid-ctl list)");
+    EXPECT_EQ(said(ErrorCode::token_required), "the server refuses (301 auth): no (--token-file FILE)");
     EXPECT_NE(said(ErrorCode::no_terrain).find("606"), std::string::npos);
     EXPECT_NE(said(ErrorCode::too_many_legs).find("409 resource"), std::string::npos);
 }

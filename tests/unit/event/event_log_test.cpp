@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cstring>
+#include <vector>
 
 namespace trochoid {
 namespace {
@@ -79,6 +80,32 @@ TEST(EventLog, TheRollingHashNamesTheBytesTheirBordersAndTheirOrder) {
     EXPECT_NE(hash_after({"ab", "c"}), hash_after({"c", "ab"}));
     EXPECT_NE(hash_after({"ab", ""}), hash_after({"ab"}));
     EXPECT_NE(hash_after({""}), empty_log_hash);
+}
+
+// A ship's new course is two events: the log holds both or none.
+TEST(EventLog, ABatchIsTakenWholeOrNotAtAll) {
+    const std::vector<NewEvent> batch{{11, bytes_of("the old course ends")},
+                                      {12, bytes_of("the new one begins")}};
+    InMemoryEventLog log;
+    appended(log.append({0}, 7, bytes_of("a")));
+    EXPECT_EQ(log.append({0}, batch), AppendResult(Conflict{{1}}));
+    EXPECT_EQ(log.append({2}, batch), AppendResult(Conflict{{1}}));
+    EXPECT_EQ(log.read({0}, 10).size(), 1U);
+    const Appended both = appended(log.append({1}, batch));
+    EXPECT_EQ(both.position, LogPosition{1});
+    const auto all = log.read({0}, 10);
+    ASSERT_EQ(all.size(), 3U);
+    EXPECT_EQ(both.log_hash, all[2].log_hash);
+    EXPECT_EQ(all[2].position, LogPosition{2});
+    EXPECT_EQ(all[2].event_id, 12U);
+    EXPECT_EQ(all[2].bytes, batch[1].bytes);
+    // The bytes alone make the hash, not how they came.
+    InMemoryEventLog single;
+    for (const StoredEvent& event : all) appended(single.append(event.position, event.event_id, event.bytes));
+    EXPECT_EQ(single.read({0}, 10), all);
+    // Sent again, as after a broken connection.
+    EXPECT_EQ(appended(log.append({1}, batch)), both);
+    EXPECT_EQ(log.read({0}, 10).size(), 3U);
 }
 
 }  // namespace

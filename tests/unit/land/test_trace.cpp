@@ -262,9 +262,9 @@ TEST(Trace, MarchEqualsItsScalarTwinWhereDepthIsAlikeAcross) {
             continue;
         }
         const size_t at =
-            2 * (static_cast<size_t>(row) * static_cast<size_t>(grid.columns) + static_cast<size_t>(column));
-        ASSERT_NEAR(grid.values[at], twin.shift, 3e-4) << "node " << x;
-        ASSERT_NEAR(grid.values[at + 1], twin.share, 3e-5) << "node " << x;
+            static_cast<size_t>(row) * static_cast<size_t>(grid.columns) + static_cast<size_t>(column);
+        ASSERT_NEAR(grid.shift[at], twin.shift, 3e-4) << "node " << x;
+        ASSERT_NEAR(grid.shelter[at], twin.share, 3e-5) << "node " << x;
     }
     EXPECT_GT(land_nodes, 8U);
     EXPECT_GT(twin.shift, 3.0);

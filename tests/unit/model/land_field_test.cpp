@@ -205,6 +205,33 @@ TEST(LandField, RefusesAWindowThatWouldEatTheMemory) {
     EXPECT_FALSE(field.fits({std::numeric_limits<int32_t>::max(), std::numeric_limits<int32_t>::min()}));
 }
 
+TEST(LandField, ACopySharesTheWindowUntilOneOfThemSets) {
+    const auto first = plain_field(1, 12, {0, 3}, 10'000);
+    LandField copy(*first);
+    EXPECT_EQ(copy.slot_count(), 4U);
+    copy.set(plain_block(0, 20'000));
+    copy.set(plain_block(5, 20'000));
+    EXPECT_EQ(first->sample({77, 99}).gain, 10'000U << 9);
+    EXPECT_EQ(copy.sample({77, 99}).gain, 20'000U << 9);
+    EXPECT_EQ(first->block_count(), 2U);
+    EXPECT_EQ(copy.block_count(), 3U);
+    EXPECT_EQ(first->find({5, 0}), nullptr);
+    EXPECT_EQ(copy.find({3, 0}), first->find({3, 0}));
+    EXPECT_EQ(first->slot_count(), 4U);
+}
+
+TEST(LandField, RoomThatIsMadeAheadHoldsNothing) {
+    LandField field(FieldId{1}, 12);
+    field.make_room({-3, 2}, {4, 5});
+    EXPECT_EQ(field.slot_count(), 32U);
+    EXPECT_EQ(field.block_count(), 0U);
+    EXPECT_TRUE(field.blocks().empty());
+    EXPECT_EQ(field.sample({5, 6}), LandSample{});
+    field.set(plain_block(0, 7));
+    EXPECT_EQ(field.slot_count(), 48U) << "row 0 was not in it";
+    EXPECT_EQ(field.block_count(), 1U);
+}
+
 TEST(LandField, ValidationBoundsShiftsAndTheirSteps) {
     LandBlock block;
     block.gain.fill(unit_node_gain);

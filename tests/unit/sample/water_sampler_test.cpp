@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
+
 namespace trochoid {
 namespace {
 
@@ -47,6 +49,34 @@ TEST(WaterSampler, agrees_with_the_model) {
         EXPECT_EQ(sampler.water(p).water, water_at(model, p));
         EXPECT_EQ(sampler.surface(p), model.evaluate(p));
     }
+}
+
+TEST(WaterSampler, many_places_are_answered_as_one_by_one) {
+    const auto snapshot = one_wave();
+    snapshot->regions = {{{0, 0}, 10'000}};
+    auto interest = std::make_shared<InterestState>();
+    interest->patches[{18, 0, -1}].key = {18, 0, -1};
+    interest->patches[{18, 0, -1}].height_error = 0.125F;
+    snapshot->interest = interest;
+    const WaterSampler sampler(snapshot, now);
+    const SeaInstant model(snapshot->sea, now);
+    std::vector<LatticePoint> places;
+    for (int64_t i = 0; i < 150; ++i) places.push_back({i * 2'345 - 99'000, 75'000 - i * 1'777});
+    const std::vector<WaterAnswer> answers = sampler.water(places);
+    const std::vector<SurfaceSample> samples = sampler.surface(places);
+    ASSERT_EQ(answers.size(), places.size());
+    ASSERT_EQ(samples.size(), places.size());
+    std::array<int, 3> trusts{};
+    for (size_t i = 0; i < places.size(); ++i) {
+        EXPECT_EQ(answers[i].water, water_at(model, places[i]));
+        EXPECT_EQ(answers[i], sampler.water(places[i]));
+        EXPECT_EQ(samples[i], model.evaluate(places[i]));
+        ++trusts[static_cast<size_t>(answers[i].trust)];
+    }
+    EXPECT_GT(trusts[0], 0);
+    EXPECT_GT(trusts[1], 0);
+    EXPECT_GT(trusts[2], 0);
+    EXPECT_TRUE(sampler.water(std::vector<LatticePoint>{}).empty());
 }
 
 TEST(WaterSampler, exact_in_regions_bounded_on_patches_unknown_elsewhere) {

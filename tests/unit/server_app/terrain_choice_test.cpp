@@ -98,5 +98,33 @@ TEST(TerrainChoices, AChangeTouchesItsTilesAlone) {
     EXPECT_EQ(again.revision({0, 0, 0}), 0U);
 }
 
+// Against a slow obvious twin that remembers every change.
+TEST(TerrainChoices, ATilesRevisionIsItsLastChange) {
+    const auto grid = rough_grid();
+    auto choice = std::make_unique<TerrainChoice>(grid);
+    std::vector<LatticeRect> changes;
+    uint64_t state = 7;
+    const auto dice = [&](uint64_t sides) {
+        return static_cast<int64_t>((state = splitmix64(state)) % sides);
+    };
+    for (int i = 0; i < 60; ++i) {
+        const LatticePoint corner{dice(500) * 32768, dice(500) * 32768};
+        changes.push_back({corner, {corner.x + (1 + dice(90)) * 32768, corner.z + (1 + dice(90)) * 32768}});
+        choice = std::make_unique<TerrainChoice>(*choice, grid, changes.back());
+    }
+    size_t touched = 0;
+    for (uint32_t level = 0; level < tile_levels(*grid); ++level)
+        for (const TerrainTileKey& key : tiles_at_level(*grid, level)) {
+            const int64_t side = int64_t{terrain_tile_cells} << (key.level + grid->spacing_log2);
+            const LatticeRect rect{{key.x * side, key.z * side}, {(key.x + 1) * side, (key.z + 1) * side}};
+            uint32_t last = 0;
+            for (uint32_t i = 0; i < changes.size(); ++i)
+                if (overlap(rect, changes[i])) last = i + 1;
+            EXPECT_EQ(choice->revision(key), last);
+            touched += last != 0 ? 1U : 0U;
+        }
+    EXPECT_GT(touched, 20U);
+}
+
 }  // namespace
 }  // namespace trochoid

@@ -64,6 +64,11 @@ void expect_water(const SeaInstant& sea, const std::vector<LatticePoint>& places
         ASSERT_EQ(difference(water[i], wanted, names, 7), "") << what << ", place " << i;
         ASSERT_EQ(water[i].rest, wanted.rest) << what << ", place " << i;
     }
+    std::vector<SurfaceSample> samples(places.size());
+    evaluate_batch(sea, places, samples, workers);
+    for (size_t i = 0; i < places.size(); ++i)
+        ASSERT_EQ(difference(samples[i], sea.evaluate(places[i]), value_names, 15), "")
+            << what << ", rest point " << i;
 }
 
 std::vector<LatticePoint> random_places(uint64_t seed, size_t count, LatticePoint centre, int64_t reach) {
@@ -183,6 +188,7 @@ TEST_P(OnTarget, StillWater) {
     const SeaInstant instant(Sea{}, {0});
     expect_grid(instant, {{0, 0}, 1024, 1024, 70, 20}, 2, "still");
     expect_water(instant, {{5, 7}, {-100, 12}}, 1, "still");
+    expect_water(instant, {}, 2, "nothing asked");
 }
 
 INSTANTIATE_TEST_SUITE_P(Every, OnTarget, testing::ValuesIn(vector_targets()),

@@ -232,6 +232,70 @@ TEST_F(StoreTest, blocks_of_one_field_share_step_and_neighbourhood) {
     EXPECT_EQ(d.error().code, ErrorCode::value_out_of_range);
 }
 
+/// Two blocks of each field at the corners of a window of 2048 x 2048 slots: 64 MiB of look-up for 4.6 KiB of land.
+InterestDelta hostile_windows(uint32_t fields) {
+    InterestDelta change;
+    for (uint32_t i = 1; i <= fields; ++i) {
+        change.blocks.push_back(block(i, 0, 0));
+        change.blocks.push_back(block(i, 2047, 2047));
+    }
+    return change;
+}
+
+TEST_F(StoreTest, windows_over_all_fields_have_a_budget) {
+    // Each of the 256 windows alone is one that a field may have; together they would take 16 GiB.
+    EXPECT_EQ(refused(server.tell_one(hostile_windows(256))), ErrorCode::value_out_of_range);
+    EXPECT_EQ(store.snapshot()->result, 0U);
+    // What fits exactly is taken, also piece by piece and beside what was there before.
+    ClientStore narrow({2 * 2048 * 2048, 40});
+    Teller other;
+    narrow.begin(other.hello());
+    const auto taken = [&](const InterestDelta& change) {
+        return narrow.apply(other.tell_one(change)).has_value();
+    };
+    EXPECT_TRUE(taken(hostile_windows(1)));
+    InterestDelta second = hostile_windows(2);
+    second.blocks.erase(second.blocks.begin(), second.blocks.begin() + 2);
+    EXPECT_TRUE(taken(second));
+    InterestDelta third;
+    third.blocks = {block(3, 0, 0)};
+    third.removed_blocks = {{{2}, {2047, 2047}}};
+    EXPECT_TRUE(taken(third)) << "one window has shrunk to a slot, one more came";
+    EXPECT_FALSE(taken({{}, {}, {block(2, 2047, 2047)}, {}, {}, {}})) << "a slot too many";
+}
+
+TEST_F(StoreTest, land_blocks_are_counted_before_a_result_is_whole) {
+    ClientStore narrow({size_t{1} << 24, 3});
+    Teller other;
+    narrow.begin(other.hello());
+    std::vector<InterestDelta> pieces(8);
+    for (int32_t i = 0; i < 8; ++i) pieces[static_cast<size_t>(i)].blocks = {block(1, i, 0)};
+    const auto told = other.tell(pieces);
+    // What goes may still stand beside what comes, so twice as much as may stay passes for the time being.
+    for (size_t i = 0; i < 6; ++i) EXPECT_TRUE(narrow.apply(told[i])) << i;
+    const auto seventh = narrow.apply(told[6]);
+    ASSERT_FALSE(seventh);
+    EXPECT_EQ(seventh.error().code, ErrorCode::value_out_of_range);
+}
+
+// A window near its largest, read by many boxes over a base: they share it.
+TEST_F(StoreTest, boxes_share_the_window_of_a_field) {
+    InterestDelta change = hostile_windows(2);
+    for (uint32_t i = 1; i <= 200; ++i) {
+        WaveTrainBox b = *box(i, 2);
+        b.overlays = {{{2}, {1}}};
+        change.boxes.push_back(std::make_shared<const WaveTrainBox>(b));
+    }
+    take(server.tell_one(change));
+    const auto& boxes = store.snapshot()->sea.boxes();
+    ASSERT_EQ(boxes.size(), 200U);
+    // Of 200 windows of 64 MiB each only one is there, or this machine would feel it.
+    for (const auto& prepared : boxes) {
+        ASSERT_EQ(prepared->fields.size(), 1U);
+        EXPECT_EQ(prepared->fields[0]->find({0, 0}), boxes[0]->fields[0]->find({0, 0}));
+    }
+}
+
 TEST_F(StoreTest, a_field_may_change_its_step_whole) {
     take(server.tell_one({{box(1, 5)}, {}, {block(5, 0, 0, 16)}, {}, {}, {}}));
     take(server.tell_one({{}, {}, {block(5, 3, 3, 15)}, {{{5}, {0, 0}}}, {}, {}}));

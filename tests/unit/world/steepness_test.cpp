@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "protocol/units/hash.hpp"
+#include "server/world/box_steering.hpp"
 #include "server/world/dispersion.hpp"
 #include "server/world/ship_box.hpp"
 #include "server/world/wind_box.hpp"
@@ -39,7 +40,7 @@ TEST(Steepness, StaysWithinTheLimitAtEveryPointAndTime) {
         WaveTrainBox box = random_wind(i, i);
         std::vector<SteepBox> others;
         for (const WaveTrainBox& other : boxes) others.push_back({&other, growth});
-        limit_steepness(box, growth, others);
+        limit_steepness(box, growth, SteepCrowd(others));
         boxes.push_back(std::move(box));
     }
     double largest = 0.0;
@@ -70,7 +71,7 @@ TEST(Steepness, StaysWithinTheLimitAtEveryPointAndTime) {
 TEST(Steepness, ScalesChoppinessAloneAndLeavesRoom) {
     const WaveTrainBox before = random_wind(7, 1);
     WaveTrainBox first = before;
-    limit_steepness(first, 1.5, {});
+    limit_steepness(first, 1.5, SteepCrowd());
     EXPECT_LE(steepness_of(first) * 1.5, 0.8 * 0.6);
     EXPECT_GT(steepness_of(first) * 1.5, 0.8 * 0.6 * 0.9999);
     for (size_t i = 0; i < first.trains.size(); ++i) {
@@ -84,7 +85,7 @@ TEST(Steepness, ScalesChoppinessAloneAndLeavesRoom) {
     WaveTrainBox second_box = before;
     second_box.id = {2};
     const SteepBox others[] = {{&first, 1.5}};
-    limit_steepness(second_box, 1.5, others);
+    limit_steepness(second_box, 1.5, SteepCrowd(others));
     EXPECT_NEAR(steepness_of(second_box) * 1.5, 0.6 * (0.8 - 0.48), 1e-5);
 }
 
@@ -92,7 +93,7 @@ TEST(Steepness, AGentleBoxIsLeftAlone) {
     WaveTrainBox box = random_wind(3, 1);
     for (WaveTrain& train : box.trains) train.choppiness = 0.01F;
     const WaveTrainBox before = box;
-    limit_steepness(box, 1.5, {});
+    limit_steepness(box, 1.5, SteepCrowd());
     EXPECT_EQ(box, before);
 }
 
@@ -185,20 +186,70 @@ TEST(Steepness, ShipsThatPassAtAnotherTimeDoNotMeet) {
     EXPECT_FALSE(may_overlap(west, ship_at(0.0, 6000.0, 90.0F, {0}, 2))) << "side by side";
 }
 
-TEST(Steepness, AWindThatMayBeSteeredCountsEverywhere) {
-    WaveTrainBox storm = random_wind(1, 1);
-    const WaveTrainBox far = [] {
-        WaveTrainBox box = random_wind(1, 2);
-        box.origin = {world_bound / 2, world_bound / 2};
-        return box;
-    }();
-    EXPECT_FALSE(may_overlap(storm, far));
+/// A storm of 400 s that is steered at most at the fastest, and a box as large `east` metres beside it.
+WaveTrainBox short_storm(uint32_t id, double east) {
+    WaveTrainBox storm = random_wind(1, id);
+    storm.origin = {to_lattice(east), 0};
+    storm.begin = {0};
+    storm.end = {300 * second};
+    storm.decay_us = 100 * second;
+    return storm;
+}
+
+TEST(Steepness, AWindThatMayBeSteeredCountsAsFarAsItCanGo) {
+    WaveTrainBox storm = short_storm(1, 0.0);
     storm.course = {{storm.begin, 1000 * second, storm.origin, 10000, 0}};
-    EXPECT_TRUE(may_overlap(storm, far));
-    WaveTrainBox later = far;
+    // 400 s at 100 m/s are 40 km; the two boxes' sides add 13 km at most.
+    EXPECT_TRUE(may_overlap(storm, short_storm(2, 39'000.0), {0}));
+    EXPECT_TRUE(may_overlap(storm, short_storm(2, -39'000.0), {0})) << "it may turn round";
+    EXPECT_FALSE(may_overlap(storm, short_storm(2, 80'000.0), {0}));
+    WaveTrainBox later = short_storm(2, 0.0);
     later.begin = storm.end + storm.decay_us;
     later.end = later.begin + second;
-    EXPECT_FALSE(may_overlap(storm, later)) << "but only while it lasts";
+    EXPECT_FALSE(may_overlap(storm, later, {0})) << "but only while it lasts";
+    // Two storms come towards each other.
+    WaveTrainBox other = short_storm(2, 75'000.0);
+    EXPECT_FALSE(may_overlap(storm, other, {0}));
+    other.course = {{other.begin, 1000 * second, other.origin, 0, 0}};
+    EXPECT_TRUE(may_overlap(storm, other, {0}));
+    EXPECT_EQ(may_overlap(other, storm, {0}), may_overlap(storm, other, {0}));
+    // What has been sailed is settled: of 400 s a quarter is left.
+    EXPECT_TRUE(may_overlap(storm, short_storm(2, 30'000.0), {0}));
+    EXPECT_FALSE(may_overlap(storm, short_storm(2, 30'000.0), {300 * second}));
+    EXPECT_FALSE(may_overlap(storm, short_storm(2, 39'000.0))) << "nothing will change any more";
+    // A box that begins late finds a storm that may have been steered long before.
+    WaveTrainBox late = short_storm(2, 35'000.0);
+    late.begin = {390 * second};
+    late.end = {2000 * second};
+    EXPECT_TRUE(may_overlap(storm, late, {0}));
+    EXPECT_FALSE(may_overlap(storm, late, {395 * second}));
+    // One without end can come everywhere.
+    storm.end = late.end = end_of_time;
+    late.origin = {world_bound / 2, world_bound / 2};
+    EXPECT_TRUE(may_overlap(storm, late, {0}));
+}
+
+// However a storm is steered from a settled moment on, the guard has counted with it.
+TEST(Steepness, NoCourseThatIsSteeredLeavesTheReach) {
+    int meetings = 0;
+    int misses = 0;
+    for (uint64_t i = 1; i <= 300; ++i) {
+        WaveTrainBox storm = short_storm(1, 0.0);
+        storm.course = {{storm.begin, 1000 * second, storm.origin, 100'000, 50'000}};
+        const WaveTrainBox planned = storm;
+        const SeaTime settled{static_cast<int64_t>(drawn(i, 1, 0.0, 380.0)) * second};
+        const WaveTrainBox other = short_storm(2, drawn(i, 2, -60'000.0, 60'000.0));
+        const auto leg = next_leg(storm, settled, drawn(i, 3, 0.0, 359.0), drawn(i, 4, 50.0, 100.0));
+        ASSERT_TRUE(leg);
+        steer(storm, *leg);
+        if (may_overlap(storm, other)) {
+            EXPECT_TRUE(may_overlap(planned, other, settled)) << i;
+            ++meetings;
+        }
+        misses += may_overlap(planned, other, settled) ? 0 : 1;
+    }
+    EXPECT_GT(meetings, 20);
+    EXPECT_GT(misses, 20) << "everything counts as overlapping";
 }
 
 TEST(Steepness, RoundAndIrregularWavesCountForWhatTheyAdd) {
@@ -242,26 +293,26 @@ TEST(Steepness, AWakeIsNotSteeperThanCounted) {
     EXPECT_LE(steepest, steepness_of(box));
     EXPECT_GT(steepest, 0.4 * steepness_of(box));
     WaveTrainBox limited = box;
-    limit_steepness(limited, 1.0, {});
+    limit_steepness(limited, 1.0, SteepCrowd());
     EXPECT_LE(steepness_of(limited), 0.48);
     EXPECT_EQ(limited.wake.transverse, box.wake.transverse);
 }
 
 TEST(Steepness, ASuccessorIsNotCountedAgainstItsPredecessor) {
     WaveTrainBox old = random_wind(7, 1);
-    limit_steepness(old, 1.0, {});
+    limit_steepness(old, 1.0, SteepCrowd());
     WaveTrainBox next = old;
     next.id = {2};
     WaveTrainBox unchanged = next;
     const SteepBox only_old[] = {{&old, 1.0}};
-    limit_successor(next, {1}, 1.0, only_old);
+    limit_successor(next, {1}, 1.0, SteepCrowd(only_old));
     EXPECT_EQ(next, unchanged);
-    limit_steepness(unchanged, 1.0, only_old);
+    limit_steepness(unchanged, 1.0, SteepCrowd(only_old));
     EXPECT_LT(steepness_of(unchanged), 0.5 * steepness_of(next)) << "a stranger would be";
     // A third box counts the two as one.
     const SteepBox both[] = {{&old, 1.0}, {&next, 1.0, {1}}};
     WaveTrainBox third = random_wind(7, 3);
-    limit_steepness(third, 1.0, both);
+    limit_steepness(third, 1.0, SteepCrowd(both));
     EXPECT_NEAR(steepness_of(third), 0.6 * (0.8 - steepness_of(old)), 1e-5);
 }
 

@@ -238,5 +238,40 @@ TEST(Steering, ShipsThatCannotSailOnAreRefused) {
     EXPECT_GT(list[0].significant_height, 0.1F);
 }
 
+TEST(Steering, AShipsNameIsHersWhileSheSails) {
+    World world("test", nullptr, {});
+    const auto first = world.plan(ferry(), {0});
+    ASSERT_TRUE(first);
+    apply(world, {0}, *first);
+    const auto again = world.plan(ferry(), {60 * second});
+    ASSERT_FALSE(again);
+    EXPECT_EQ(again.error().code, ErrorCode::value_out_of_range);
+    EXPECT_EQ(again.error().message,
+              "a ship named 'ferry' sails already, as box 1: give another name, or stop her");
+    EXPECT_FALSE(world.plan(ferry(), {-60 * second})) << "both would sail later on";
+    // A new course is the same ship under the same name, and holds it.
+    const auto turned = steer(world, {first->box.id, 10.0F, 8.0F}, {100 * second});
+    ASSERT_TRUE(turned);
+    EXPECT_EQ(world.state()->boxes.at(turned->box)->name, "ferry");
+    EXPECT_FALSE(world.plan(ferry(), {200 * second}));
+    StartShip other = ferry();
+    other.name = "pilot";
+    EXPECT_TRUE(world.plan(other, {200 * second}));
+    other.name.clear();
+    EXPECT_TRUE(world.plan(other, {200 * second}));
+    // Once she has stopped the name is free, while her wake still decays.
+    ASSERT_TRUE(steer(world, {turned->box, 0.0F, 0.0F}, {300 * second}));
+    EXPECT_TRUE(world.plan(ferry(), {300 * second}));
+}
+
+TEST(Steering, RefusalsSpeakOfSeaTimeInSeconds) {
+    World world("test", nullptr, {});
+    apply(world, {0}, *world.plan(ferry(), {0}));
+    ASSERT_TRUE(steer(world, {{1}, 0.0F, 0.0F}, {100'500'000}));
+    EXPECT_EQ(
+        world.plan(StopWind{{1}}, {200 * second}).error().message,
+        "box 1 decays from sea time 100.500000 s (0 d 00:01:40) on: it needs no stop and takes no course");
+}
+
 }  // namespace
 }  // namespace trochoid

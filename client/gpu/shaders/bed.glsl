@@ -1,0 +1,41 @@
+// The bed as it is seen through the water.
+#include "bed_height.glsl"
+
+const vec3 extinction = vec3(0.42, 0.085, 0.065);  // 1/m, clear coastal water
+const vec3 sand_below = vec3(0.42, 0.38, 0.28);
+const vec3 weed_below = vec3(0.10, 0.12, 0.07);
+
+/// Bright lines that ripples draw on the bed.
+float caustics(vec2 p, float depth) {
+    float a = textureLod(ripple_map, p / 5.1 + scroll.xw, 1.0 + 0.4 * depth).w;
+    float b = textureLod(ripple_map, p.yx / 6.3 - scroll.yw, 1.0 + 0.4 * depth).w;
+    float line = 1.0 - abs(a + b - 1.0) * 2.4;
+    return max(line, 0.0) * max(line, 0.0) * 1.5 + 0.45;
+}
+
+/// Radiance of the bed, and of the water before it, along the refracted ray from a point of the surface at a height above still
+/// water; `depth` right below.
+vec3 through_water(vec2 rest, float height, float depth, vec3 view, vec3 normal, vec3 deep, float distance) {
+    // Past that nothing of the bed comes through.
+    if (depth > 34.0) return deep;
+    vec3 ray = refract(-view, normal, 1.0 / 1.34);
+    float fall = max(-ray.y, 0.25);
+    float way = max(depth, 0.0) / fall;
+    vec2 seen = rest;
+    for (int i = 0; i < 3; ++i) {
+        seen = rest + ray.xz * way;
+        // Half a step at a time: on slopes the whole one may swing.
+        way = mix(way, max(height - bed_at(seen).x, 0.0) / fall, i == 0 ? 1.0 : 0.6);
+    }
+    float below = max(way * fall, 0.0);
+    vec4 marks = textureLod(foam_detail, seen / 173.0, distance * picture.x > 0.3 ? 4.0 : 1.0);
+    vec3 bed = mix(sand_below * (0.82 + 0.36 * marks.y), weed_below, smoothstep(0.6, 2.2, marks.x) * smoothstep(1.0, 3.0, below));
+    float focus = distance < 160.0 && below < 7.0 && below > 0.05 ? mix(1.0, caustics(seen, below), min(below, 1.0)) : 1.0;
+    // Sunlight comes down steeper than it fell in.
+    float down = sqrt(1.0 - 0.556 * (1.0 - sun.y * sun.y));
+    vec3 sunlit = sun_light.rgb * (0.30 * max(sun.y, 0.0) * focus) * exp(-extinction * (below / down));
+    vec3 skylit = sky_ambient.rgb * 0.85 * exp(-extinction * (1.25 * below));
+    vec3 through = exp(-extinction * way) * (1.0 - smoothstep(16.0, 34.0, depth));
+    // Light that the water itself scatters grows with the way, up to the deep sea's.
+    return bed * (sunlit + skylit) * through + deep * (1.0 - exp(-0.5 * (extinction.g + extinction.b) * 2.4 * (way + below)));
+}

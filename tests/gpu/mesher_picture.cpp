@@ -1,0 +1,123 @@
+// Draws a fixture's sea by several meshers, one picture below the other, to a PNG file; says what each took:
+// mesher_picture FILE [at=X,Z,ALTITUDE,YAW,PITCH] [meshers=patches,projected] [sea=calm|breeze|gale|storm] [size=WxH]
+//                [attention=A] [rows=N] [columns=N] [cells=N] [spacing=M] [quality=low|medium|high] [wireframe=1] [bare=1]
+//                [land=0] [frames=N] [hour=H]
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <cstdlib>
+#include <map>
+#include <sstream>
+#include <string>
+
+#include "client/gpu/offscreen_context.hpp"
+#include "client/gpu/picture_file.hpp"
+#include "client/gpu/renderer.hpp"
+#include "tests/gpu/weather_sea.hpp"
+
+using namespace trochoid;
+
+namespace {
+
+using Arguments = std::map<std::string, std::string>;
+
+Arguments arguments(int argc, char** argv) {
+    Arguments values;
+    for (int i = 2; i < argc; ++i) {
+        const std::string text = argv[i];
+        const size_t sign = text.find('=');
+        if (sign != std::string::npos) values[text.substr(0, sign)] = text.substr(sign + 1);
+    }
+    return values;
+}
+
+double number(const Arguments& values, const char* name, double otherwise) {
+    const auto at = values.find(name);
+    return at == values.end() ? otherwise : std::atof(at->second.c_str());
+}
+
+DrawOptions options_of(Arguments& values) {
+    DrawOptions options = options_for(quality_named(values["quality"]).value_or(Quality::medium));
+    options.attention = static_cast<float>(number(values, "attention", 1));
+    options.projected_rows = static_cast<uint32_t>(number(values, "rows", 0));
+    options.projected_columns = static_cast<uint32_t>(number(values, "columns", 0));
+    options.grid_cells = static_cast<uint32_t>(number(values, "cells", 256));
+    options.grid_spacing_m = static_cast<float>(number(values, "spacing", 2));
+    options.hour = number(values, "hour", 16.5);
+    options.wireframe = values["wireframe"] == "1";
+    if (values["bare"] == "1") {
+        options.sky = options.far_sea = options.land = false;
+        options.clear_colour = {1.0F, 0.0F, 1.0F};
+    }
+    return options;
+}
+
+Camera camera_of(Arguments& values) {
+    Camera camera;
+    camera.width = 960;
+    camera.height = 540;
+    double x = -9'000;
+    double z = 5'000;
+    double yaw = 250;
+    double pitch = -4;
+    camera.altitude_m = 12;
+    std::sscanf(values["at"].c_str(), "%lf,%lf,%lf,%lf,%lf", &x, &z, &camera.altitude_m, &yaw, &pitch);
+    std::sscanf(values["size"].c_str(), "%ux%u", &camera.width, &camera.height);
+    camera.position = {to_lattice(x), to_lattice(z)};
+    camera.yaw = yaw / 57.29577951;
+    camera.pitch = pitch / 57.29577951;
+    return camera;
+}
+
+Picture draw(MesherKind kind, FixtureSource& source, const Camera& camera, DrawOptions options, int frames) {
+    options.mesher = kind;
+    Renderer renderer;
+    const RenderTarget target(camera.width, camera.height, options.samples);
+    FrameReport report;
+    source.set_time({60'000'000});
+    double wall = 1e9;
+    for (int i = 0; i < frames; ++i) {
+        const auto start = std::chrono::steady_clock::now();
+        source.set_time(source.sea_time_now() + 100'000);
+        report = renderer.draw(target, source.snapshot(), camera, camera, options);
+        glFinish();
+        wall = std::min(
+            wall,
+            std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count());
+    }
+    fmt::print("{}: {:.1f} ms a picture, {} triangles in {} draws", name_of(kind), wall, report.sea_triangles,
+               report.draws);
+    for (const PassTime& pass : report.passes) fmt::print(", {} {:.2f} ms", pass.name, pass.ms);
+    fmt::print("\n");
+    return target.read();
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    if (argc < 2) return 2;
+    Arguments values = arguments(argc, argv);
+    const DrawOptions options = options_of(values);
+    const Camera camera = camera_of(values);
+    OffscreenContext context;
+    FixtureSource source(values["land"] == "0" ? TerrainGrid{} : shipped_terrain());
+    if (!values["sea"].empty()) set_weather(source, weather_named(values["sea"]));
+    ViewState view = view_of(camera, glm::dvec3(0));
+    view.accepted_error_px = options.error_px;
+    source.set_view(view);
+    Picture all;
+    std::istringstream names(values["meshers"].empty() ? "patches,projected" : values["meshers"]);
+    for (std::string name; std::getline(names, name, ',');) {
+        const auto kind = mesher_named(name);
+        if (!kind) return 2;
+        const Picture one =
+            draw(*kind, source, camera, options, static_cast<int>(number(values, "frames", 4)));
+        all.width = one.width;
+        all.height += one.height;
+        all.rgb.insert(all.rgb.end(), one.rgb.begin(), one.rgb.end());
+    }
+    write_png(argv[1], all);
+    return 0;
+}
