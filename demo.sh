@@ -9,6 +9,7 @@
 #   --picture FILE  where the picture goes (offscreen: trochoid.png if not given)
 #   --port N        the server's TCP port on 127.0.0.1 (0 to 65535; 0, the default, takes a free one)
 #   --scene FILE    another scene than server/scenes/scilly/scene.toml
+#   --preset NAME   calm, breeze, gale, storm or harbour: a scene with its camera and light
 #   --build-only    install and build, start nothing
 #   --help
 #
@@ -33,17 +34,18 @@ whole_number() {
 }
 from_caller() { case "$1" in /*) echo "$1" ;; *) echo "$called_from/$1" ;; esac }
 
-offscreen='' seconds='' picture='' port=0 scene=$PWD/server/scenes/scilly/scene.toml build_only='' viewer_options=()
+offscreen='' seconds='' picture='' port=0 scene=$PWD/server/scenes/scilly/scene.toml preset='' build_only='' viewer_options=()
 while [ $# -gt 0 ]; do
     case "$1" in
-        --seconds | --picture | --port | --scene)
+        --seconds | --picture | --port | --scene | --preset)
             [ -n "${2:-}" ] || die "$1 wants a value (see ./demo.sh --help)" 2
             ;;&
         --seconds) seconds=$(whole_number "$1" "$2" 1 86400) || exit 2 ;;&
         --port) port=$(whole_number "$1" "$2" 0 65535) || exit 2 ;;&
         --picture) picture=$(from_caller "$2") ;;&
         --scene) scene=$(from_caller "$2") ;;&
-        --seconds | --picture | --port | --scene) shift 2 ;;
+        --preset) preset=$2 ;;&
+        --seconds | --picture | --port | --scene | --preset) shift 2 ;;
         --offscreen) offscreen=1 && shift ;;
         --build-only) build_only=1 && shift ;;
         --) shift && viewer_options=("$@") && break ;;
@@ -54,6 +56,7 @@ while [ $# -gt 0 ]; do
         *) die "unknown option '$1' (see ./demo.sh --help)" 2 ;;
     esac
 done
+[ -z "$preset" ] || [ "$scene" = "$PWD/server/scenes/scilly/scene.toml" ] || die "--preset brings its own scene: give it or --scene" 2
 [ -f "$scene" ] || die "there is no scene file $scene" 2
 if [ -n "$picture" ] && ! [ -w "$(dirname "$picture")" ]; then
     die "cannot write a picture into $(dirname "$picture")" 2
@@ -133,6 +136,15 @@ rm -f "$log_dir/configure.log" "$log_dir/build.log"
 }
 [ -z "$build_only" ] || exit 0
 
+if [ -n "$preset" ]; then
+    # The viewer knows them: name, scene and what it shows, parted by tabs.
+    presets=$("$bin/trochoid-viewer" --list-presets)
+    preset_scene=$(awk -F'\t' -v name="$preset" '$1 == name { print $2 }' <<<"$presets")
+    [ -n "$preset_scene" ] || die "--preset $preset: there are $(awk -F'\t' '{ printf "%s%s", sep, $1; sep = ", " }' <<<"$presets")" 2
+    scene=$PWD/$preset_scene
+    viewer_options=(--preset "$preset" "${viewer_options[@]}")
+fi
+
 work_dir=$(mktemp -d "${TMPDIR:-/tmp}/trochoid-demo.XXXXXX")
 token=$work_dir/director-token
 (umask 077 && head -c 32 /dev/urandom | od -An -v -tx1 | tr -d ' \n' >"$token")
@@ -166,7 +178,7 @@ TEXT
 
 arguments=(--connect "$address")
 # Off St Agnes, looking north: swell from the left bends round the island. --camera among VIEWER_OPTIONs wins.
-if [ "$scene" = "$PWD/server/scenes/scilly/scene.toml" ] && [[ " ${viewer_options[*]} " != *" --camera"* ]]; then
+if [ -z "$preset" ] && [ "$scene" = "$PWD/server/scenes/scilly/scene.toml" ] && [[ " ${viewer_options[*]} " != *" --camera"* ]]; then
     arguments+=(--camera -1500,40,3700,10,-8)
 fi
 if [ -n "$offscreen" ]; then

@@ -24,21 +24,26 @@ public:
     explicit PictureFolder(const std::string& folder) : folder_(folder) {
         std::error_code failure;
         if (fs::exists(folder_, failure) && !fs::is_directory(folder_, failure))
-            throw OperatorError(
-                fmt::format("--record {}: that is a file. Name a folder, or a video ending in .mp4, .mkv or .webm.", folder));
+            throw OperatorError(fmt::format(
+                "--record {}: that is a file. Name a folder, or a video ending in .mp4, .mkv or .webm.",
+                folder));
         fs::create_directories(folder_, failure);
         if (failure)
-            throw OperatorError(fmt::format("--record {}: the folder cannot be made ({}). Name one that you may write to.",
-                                            folder, failure.message()));
-        if (!fs::is_empty(folder_, failure))
             throw OperatorError(
-                fmt::format("--record {}: the folder is not empty, and a recording never writes over files. Name a new "
-                            "folder, or empty this one.",
-                            folder));
+                fmt::format("--record {}: the folder cannot be made ({}). Name one that you may write to.",
+                            folder, failure.message()));
+        if (!fs::is_empty(folder_, failure))
+            throw OperatorError(fmt::format(
+                "--record {}: the folder is not empty, and a recording never writes over files. Name a new "
+                "folder, or empty this one.",
+                folder));
     }
-    void add(const Picture& picture) override {
-        write_png((folder_ / fmt::format("frame_{:06}.png", number_)).string(), picture);
-        ++number_;
+    void add(const Picture& picture, uint64_t times) override {
+        const std::vector<uint8_t> png = encode_png(picture);
+        for (; times > 0; --times) {
+            write_picture_file((folder_ / fmt::format("frame_{:06}.png", number_)).string(), png);
+            ++number_;
+        }
     }
     void finish() override {}
 
@@ -59,7 +64,8 @@ std::unique_ptr<PictureSink> open_recording(const std::string& where, double pic
     std::error_code failure;
     if (fs::exists(where, failure))
         throw OperatorError(fmt::format(
-            "--record {}: the file exists, and a recording never writes over files. Name another, or remove it.", where));
+            "--record {}: the file exists, and a recording never writes over files. Name another, or remove it.",
+            where));
     return std::make_unique<VideoPipe>(where, pictures_per_second);
 }
 
@@ -73,10 +79,10 @@ uint64_t Recording::wanted_at(double seconds) const {
 }
 
 void Recording::add(const Picture& picture, double seconds) {
-    for (uint64_t wanted = wanted_at(seconds); wanted > 0; --wanted) {
-        sink_->add(picture);
-        ++pictures_;
-    }
+    const uint64_t wanted = wanted_at(seconds);
+    if (wanted == 0) return;
+    sink_->add(picture, wanted);
+    pictures_ += wanted;
 }
 
 void Recording::finish() { sink_->finish(); }

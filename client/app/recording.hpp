@@ -15,8 +15,8 @@ public:
     PictureSink(const PictureSink&) = delete;
     PictureSink& operator=(const PictureSink&) = delete;
     virtual ~PictureSink() = default;
-    /// Throws OperatorError where the picture cannot be kept (the disk is full, ffmpeg has ended).
-    virtual void add(const Picture& picture) = 0;
+    /// Adds a picture so many times. Throws OperatorError where it cannot be kept (the disk is full, ffmpeg has ended).
+    virtual void add(const Picture& picture, uint64_t times) = 0;
     /// Waits until all is on the disk. Throws as add().
     virtual void finish() = 0;
 };

@@ -20,11 +20,12 @@ namespace trochoid {
 namespace {
 
 std::vector<std::string> command_of(const std::string& file, double rate, uint32_t width, uint32_t height) {
-    std::vector<std::string> words{"ffmpeg",     "-hide_banner", "-loglevel", "error", "-n", "-f", "rawvideo",
-                                   "-pix_fmt",   "rgb24",        "-video_size", fmt::format("{}x{}", width, height),
-                                   "-framerate", fmt::format("{}", rate), "-i", "pipe:0",
-                                   // Half the colours' resolution, as every player wants it, which takes even sizes.
-                                   "-vf", "pad=ceil(iw/2)*2:ceil(ih/2)*2", "-pix_fmt", "yuv420p"};
+    std::vector<std::string> words{
+        "ffmpeg", "-hide_banner", "-loglevel", "error", "-n", "-f", "rawvideo", "-pix_fmt", "rgb24",
+        "-video_size", fmt::format("{}x{}", width, height), "-framerate", fmt::format("{}", rate), "-i",
+        "pipe:0",
+        // Half the colours' resolution, as every player wants it, which takes even sizes.
+        "-vf", "pad=ceil(iw/2)*2:ceil(ih/2)*2", "-pix_fmt", "yuv420p"};
     const auto add = [&words](std::initializer_list<const char*> more) {
         words.insert(words.end(), more.begin(), more.end());
     };
@@ -78,7 +79,8 @@ void VideoPipe::start(uint32_t width, uint32_t height) {
     std::signal(SIGPIPE, SIG_IGN);
     std::array<int, 2> ends{-1, -1};
     if (pipe2(ends.data(), O_CLOEXEC) != 0)
-        throw OperatorError(fmt::format("Cannot make a pipe to ffmpeg: {}. Record to a folder instead.", std::strerror(errno)));
+        throw OperatorError(fmt::format("Cannot make a pipe to ffmpeg: {}. Record to a folder instead.",
+                                        std::strerror(errno)));
     std::vector<std::string> words = command_of(file_, rate_, width, height);
     std::vector<char*> arguments;
     for (std::string& word : words) arguments.push_back(word.data());
@@ -92,33 +94,41 @@ void VideoPipe::start(uint32_t width, uint32_t height) {
     close(ends[0]);
     if (failure != 0) {
         close(ends[1]);
-        throw OperatorError(failure == ENOENT
-                                ? fmt::format("--record {}: videos are made by ffmpeg, which is not installed here (Debian: apt "
-                                              "install ffmpeg). Or name a folder, which gets the pictures as PNG files.",
-                                              file_)
-                                : fmt::format("--record {}: ffmpeg cannot be started: {}. Record to a folder instead.", file_,
-                                              std::strerror(failure)));
+        throw OperatorError(
+            failure == ENOENT
+                ? fmt::format(
+                      "--record {}: videos are made by ffmpeg, which is not installed here (Debian: apt "
+                      "install ffmpeg). Or name a folder, which gets the pictures as PNG files.",
+                      file_)
+                : fmt::format("--record {}: ffmpeg cannot be started: {}. Record to a folder instead.", file_,
+                              std::strerror(failure)));
     }
     input_ = ends[1];
     process_ = process;
 }
 
-void VideoPipe::add(const Picture& picture) {
+void VideoPipe::add(const Picture& picture, uint64_t times) {
     if (process_ < 0) start(picture.width, picture.height);
     if (picture.width != width_ || picture.height != height_)
-        throw OperatorError(fmt::format("{}: a video keeps its size of {} x {}, and the picture has become {} x {}. Record to "
-                                        "a folder to change sizes.",
-                                        file_, width_, height_, picture.width, picture.height));
-    const uint8_t* at = picture.rgb.data();
-    size_t left = picture.rgb.size();
+        throw OperatorError(fmt::format(
+            "{}: a video keeps its size of {} x {}, and the picture has become {} x {}. Record to "
+            "a folder to change sizes.",
+            file_, width_, height_, picture.width, picture.height));
+    for (; times > 0; --times) write_bytes(picture.rgb);
+}
+
+void VideoPipe::write_bytes(const std::vector<uint8_t>& bytes) {
+    const uint8_t* at = bytes.data();
+    size_t left = bytes.size();
     while (left > 0) {
         const ssize_t written = write(input_, at, left);
         if (written < 0 && errno == EINTR) continue;
         if (written <= 0) {
             const int status = end();
-            throw OperatorError(fmt::format("{}: ffmpeg has ended early (status {}); above it says why. Is the disk full, or the "
-                                            "format one that this ffmpeg lacks? A folder takes the pictures as PNG files.",
-                                            file_, status));
+            throw OperatorError(fmt::format(
+                "{}: ffmpeg has ended early (status {}); above it says why. Is the disk full, or the "
+                "format one that this ffmpeg lacks? A folder takes the pictures as PNG files.",
+                file_, status));
         }
         at += written;
         left -= static_cast<size_t>(written);
@@ -138,7 +148,8 @@ int VideoPipe::end() {
 void VideoPipe::finish() {
     if (const int status = end(); status != 0)
         throw OperatorError(fmt::format(
-            "{}: ffmpeg could not finish the video (status {}); above it says why. Is the disk full?", file_, status));
+            "{}: ffmpeg could not finish the video (status {}); above it says why. Is the disk full?", file_,
+            status));
 }
 
 }  // namespace trochoid

@@ -1,6 +1,7 @@
 #pragma once
 #include <cstdint>
 #include <string>
+#include <vector>
 
 #include "client/app/recording.hpp"
 
@@ -14,11 +15,12 @@ public:
     ~VideoPipe() override;
 
     /// Throws OperatorError where ffmpeg is not there or has ended, or the picture has another size than the first.
-    void add(const Picture& picture) override;
+    void add(const Picture& picture, uint64_t times) override;
     void finish() override;
 
 private:
     void start(uint32_t width, uint32_t height);
+    void write_bytes(const std::vector<uint8_t>& bytes);
     /// Closes ffmpeg's input and waits for its end; its exit status, -1 where it did not exit.
     int end();
 

@@ -35,7 +35,8 @@ public:
     }
     /// The files of such a run show an old sea.
     void look_at_end(const SourceStatistics& statistics) const {
-        if (options_.offscreen && gone_since_) throw_gone(statistics, "before the end; what was written shows the sea as it was known.");
+        if (options_.offscreen && gone_since_)
+            throw_gone(statistics, "before the end; what was written shows the sea as it was known.");
     }
 
 private:

@@ -27,8 +27,8 @@ int view(const trochoid::ViewerOptions& options, const std::filesystem::path& se
     session.view = trochoid::view_of(options.camera, glm::dvec3(0));
     session.view.accepted_error_px = options.draw.error_px;
     trochoid::SessionSeaSource source(session);
-    const trochoid::ViewerSummary summary =
-        trochoid::run_viewer(source, options, [] { return interrupted != 0; }, settings);
+    const trochoid::ViewerSummary summary = trochoid::run_viewer(
+        source, options, [] { return interrupted != 0; }, settings);
     fmt::print("trochoid-viewer: {}\n", trochoid::summary_line(summary));
     return 0;
 }
@@ -36,7 +36,8 @@ int view(const trochoid::ViewerOptions& options, const std::filesystem::path& se
 int start(int argc, char** argv) {
     std::filesystem::path settings = trochoid::settings_file();
     const trochoid::KeptSettings kept = trochoid::load_settings(settings);
-    const std::optional<trochoid::ViewerOptions> options = trochoid::parse_viewer_options(argc, argv, kept.values);
+    const std::optional<trochoid::ViewerOptions> options =
+        trochoid::parse_viewer_options(argc, argv, kept.values);
     if (!options) return 0;
     if (options->keeps_settings && !kept.complaint.empty()) {
         spdlog::warn("{}", kept.complaint);

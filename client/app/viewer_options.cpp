@@ -32,6 +32,7 @@ struct Words {
     std::string debug;
     std::optional<double> error_px;
     std::optional<uint32_t> samples;
+    std::optional<float> scale;
     std::optional<float> attention;
     std::optional<uint32_t> most_triangles;
     std::optional<double> target_ms;
@@ -49,7 +50,8 @@ struct Words {
 
 void describe_connection(CLI::App& app, ViewerOptions& options) {
     app.add_option("--connect", options.connect, "Server, HOST:PORT")->capture_default_str()->group("Server");
-    app.add_option("--token", options.token, "Token to log in with; without one a plain viewer")->group("Server");
+    app.add_option("--token", options.token, "Token to log in with; without one a plain viewer")
+        ->group("Server");
     app.add_option("--patience", options.patience_s,
                    "Offscreen: seconds to wait for the first sea, or for a server that is gone")
         ->capture_default_str()
@@ -62,10 +64,12 @@ void describe_run(CLI::App& app, ViewerOptions& options, Words& words) {
     app.add_flag("--offscreen", options.offscreen, "Draw without a window or display")->group(group);
     app.add_flag("--full-screen", options.full_screen, "Start in full screen")->group(group);
     app.add_option("--size", words.size, "Picture size, WIDTHxHEIGHT (1280x720)")->group(group);
-    app.add_option("--text-scale", options.text_scale, "Size of the overlay's text (0: as the display is dense)")
+    app.add_option("--text-scale", options.text_scale,
+                   "Size of the overlay's text (0: as the display is dense)")
         ->check(CLI::Range(0.0, 8.0))
         ->group(group);
-    app.add_flag("--no-settings", words.no_settings, "Neither take nor keep the window's settings")->group(group);
+    app.add_flag("--no-settings", words.no_settings, "Neither take nor keep the window's settings")
+        ->group(group);
     app.add_option("--seconds", options.seconds,
                    "Run this long once the sea is there (0: until closed; offscreen 5)")
         ->check(CLI::Range(0.0, 1e6))
@@ -92,26 +96,33 @@ void describe_files(CLI::App& app, ViewerOptions& options) {
         ->capture_default_str()
         ->check(CLI::Range(0.0, 1e6))
         ->group(group);
-    app.add_option("--record", options.record,
-                   "Record: a new folder gets PNG files, a name ending in .mp4, .mkv or .webm a video (needs ffmpeg)")
+    app.add_option(
+           "--record", options.record,
+           "Record: a new folder gets PNG files, a name ending in .mp4, .mkv or .webm a video (needs ffmpeg)")
         ->group(group);
-    app.add_option("--summary-json", options.summary_json, "Write the summary to this JSON file")->group(group);
+    app.add_option("--summary-json", options.summary_json, "Write the summary to this JSON file")
+        ->group(group);
 }
 
 void describe_view(CLI::App& app, ViewerOptions& options, Words& words) {
     const char* group = "View";
     app.add_option("--preset", words.preset, "Camera, light and quality for a scene: " + preset_names())
         ->group(group);
-    app.add_flag("--list-presets", words.list_presets, "Print the presets with their scenes, and end")->group(group);
+    app.add_flag("--list-presets", words.list_presets, "Print the presets with their scenes, and end")
+        ->group(group);
     app.add_option("--camera", words.camera,
                    "X,Y,Z,YAW,PITCH: metres east, up, south; degrees clockwise from north, upwards")
         ->group(group);
-    app.add_flag("--birds-eye", options.birds_eye, "Look straight down from high above the camera's place, with boxes")
+    app.add_flag("--birds-eye", options.birds_eye,
+                 "Look straight down from high above the camera's place, with boxes")
         ->group(group);
-    app.add_flag("--freeze", options.freeze, "The culling camera stays where the viewer starts")->group(group);
-    app.add_option("--hour", words.hour, "Time of day of the light, 0 to 24, as in 16.5 or 16:30")->group(group);
+    app.add_flag("--freeze", options.freeze, "The culling camera stays where the viewer starts")
+        ->group(group);
+    app.add_option("--hour", words.hour, "Time of day of the light, 0 to 24, as in 16.5 or 16:30")
+        ->group(group);
     app.add_flag("--overlay", options.panels.numbers, "Show the numbers")->group(group);
-    app.add_flag("--timers", options.panels.timers, "Show the frame graph and the GPU's passes")->group(group);
+    app.add_flag("--timers", options.panels.timers, "Show the frame graph and the GPU's passes")
+        ->group(group);
     app.add_flag("--keys", options.panels.help, "Show the keys")->group(group);
     app.add_option("--debug", words.debug, "Debug views: wireframe,boxes,rays,patches,fields")->group(group);
 }
@@ -119,11 +130,15 @@ void describe_view(CLI::App& app, ViewerOptions& options, Words& words) {
 void describe_picture(CLI::App& app, Words& words) {
     const char* group = "Picture";
     app.add_option("--quality", words.quality, "low, medium or high (medium)")->group(group);
-    app.add_option("--error-px", words.error_px, "Height error that the mesh may show, pixels, instead of the quality's")
+    app.add_option("--error-px", words.error_px,
+                   "Height error that the mesh may show, pixels, instead of the quality's")
         ->check(CLI::Range(0.25, 100.0))
         ->group(group);
     app.add_option("--samples", words.samples, "Samples a pixel, 1 to 16, instead of the quality's")
         ->check(CLI::Range(1, 16))
+        ->group(group);
+    app.add_option("--scale", words.scale, "Draw this share of width and height and enlarge it, 0.25 to 1")
+        ->check(CLI::Range(0.25, 1.0))
         ->group(group);
     app.add_option("--target-ms", words.target_ms,
                    "Hold this frame time: give up fineness, then layers, and take them back")
@@ -132,9 +147,10 @@ void describe_picture(CLI::App& app, Words& words) {
     app.add_option("--target-fps", words.target_fps, "The same as frames a second")
         ->check(CLI::Range(0.1, 2'000.0))
         ->group(group);
-    app.add_option("--layers", words.layers,
-                   "What the sea is made of: trains,shelter,refraction,wakes,irregular,orbits,round,noise,capillary; "
-                   "all, none, authoritative; -NAME leaves one out (all)")
+    app.add_option(
+           "--layers", words.layers,
+           "What the sea is made of: trains,shelter,refraction,wakes,irregular,orbits,round,noise,capillary; "
+           "all, none, authoritative; -NAME leaves one out (all)")
         ->group(group);
     app.add_flag("--no-land", words.no_land, "Leave out the land")->group(group);
     app.add_flag("--no-far-sea", words.no_far_sea, "Leave out the sea beyond the patches")->group(group);
@@ -147,17 +163,23 @@ void describe_picture(CLI::App& app, Words& words) {
 
 void describe_methods(CLI::App& app, Words& words) {
     const char* group = "Methods";
-    app.add_option("--mesher", words.mesher, "patches, uniform, projected or coherent (patches)")->group(group);
-    app.add_option("--refine", words.refinement, "Meshers refine by distance, screen or frustum (distance)")->group(group);
+    app.add_option("--mesher", words.mesher, "patches, uniform, projected or coherent (patches)")
+        ->group(group);
+    app.add_option("--refine", words.refinement, "Meshers refine by distance, screen or frustum (distance)")
+        ->group(group);
     app.add_option("--displacement", words.displacement, "trains, noise or fft (trains)")->group(group);
-    app.add_option("--far", words.far_method, "Near and far: combined, spectrum or texture (combined)")->group(group);
-    app.add_option("--grid", words.grid, "uniform: CELLSxSPACING, cells a side and their metres (256x2)")->group(group);
-    app.add_option("--projected", words.projected, "projected: ROWSxCOLUMNS (as the error wants)")->group(group);
+    app.add_option("--far", words.far_method, "Near and far: combined, spectrum or texture (combined)")
+        ->group(group);
+    app.add_option("--grid", words.grid, "uniform: CELLSxSPACING, cells a side and their metres (256x2)")
+        ->group(group);
+    app.add_option("--projected", words.projected, "projected: ROWSxCOLUMNS (as the error wants)")
+        ->group(group);
     app.add_option("--attention", words.attention,
                    "projected: rows to the foreground (above 1) or the background, 0.25 to 4 (1)")
         ->check(CLI::Range(0.25, 4.0))
         ->group(group);
-    app.add_option("--most-triangles", words.most_triangles, "coherent: beyond, the whole mesh is coarser (2000000)")
+    app.add_option("--most-triangles", words.most_triangles,
+                   "coherent: beyond, the whole mesh is coarser (2000000)")
         ->check(CLI::Range(4096, 100'000'000))
         ->group(group);
     app.add_flag("--coherent-land", words.coherent_land, "Land by the coherent mesher too")->group(group);
@@ -167,8 +189,10 @@ std::string footer() {
     std::string text = "Keys:\n";
     for (const KeyBinding& binding : key_bindings())
         if (!binding.shown.empty()) text += fmt::format("  {:<16} {}\n", binding.shown, binding.about);
-    for (const HeldControl& control : held_controls()) text += fmt::format("  {:<28} {}\n", control.shown, control.about);
-    return text + "\nExit: 0 all went well, 1 the server is gone, 2 bad options or files, 3 the graphics driver failed.";
+    for (const HeldControl& control : held_controls())
+        text += fmt::format("  {:<28} {}\n", control.shown, control.about);
+    return text +
+           "\nExit: 0 all went well, 1 the server is gone, 2 bad options or files, 3 the graphics driver failed.";
 }
 
 void describe(CLI::App& app, ViewerOptions& options, Words& words) {
@@ -199,6 +223,7 @@ void take_over(const ViewerSettings& kept, ViewerOptions& options) {
 void take_over(const Words& words, DrawOptions& draw) {
     if (words.error_px) draw.error_px = static_cast<float>(*words.error_px);
     if (words.samples) draw.samples = *words.samples;
+    if (words.scale) draw.render_scale = *words.scale;
     if (!words.layers.empty()) draw.layers = layers_of(words.layers);
     if (!words.mesher.empty()) draw.mesher = mesher_of(words.mesher);
     if (!words.refinement.empty()) draw.refinement = refinement_of(words.refinement);
@@ -248,7 +273,8 @@ void check(const ViewerOptions& options) {
 
 }  // namespace
 
-std::optional<ViewerOptions> parse_viewer_options(int argc, const char* const* argv, const ViewerSettings& kept) {
+std::optional<ViewerOptions> parse_viewer_options(int argc, const char* const* argv,
+                                                  const ViewerSettings& kept) {
     ViewerOptions options;
     Words words;
     CLI::App app("Shows a running Trochoid sea, in a window or as a picture.", "trochoid-viewer");

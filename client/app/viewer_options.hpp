@@ -19,7 +19,8 @@ struct ViewerOptions {
     bool keeps_settings = true;  ///< a window takes what the last one had, and leaves its own
     float text_scale = 0.0F;     ///< 0: as dense as the display
 
-    double seconds = 0;      ///< 0: a window runs until it is closed, offscreen 5 s; of sea time where that has a fixed step
+    double seconds =
+        0;  ///< 0: a window runs until it is closed, offscreen 5 s; of sea time where that has a fixed step
     uint64_t frames = 0;     ///< end after so many, 0: no such end
     double patience_s = 30;  ///< offscreen: how long to wait for the first sea, or for a server that is gone
     std::optional<double> at_s;  ///< show this sea time, seconds; else the server's

@@ -9,7 +9,8 @@ namespace trochoid {
 
 std::string preset_names() {
     std::string names;
-    for (const Preset& preset : presets()) names += fmt::format("{}{}", names.empty() ? "" : ", ", preset.name);
+    for (const Preset& preset : presets())
+        names += fmt::format("{}{}", names.empty() ? "" : ", ", preset.name);
     return names;
 }
 

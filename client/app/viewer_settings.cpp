@@ -99,8 +99,9 @@ std::string text_of(const ViewerSettings& s) {
         {"target_ms", s.target_ms},
     };
     std::ostringstream text;
-    text << "# What trochoid-viewer keeps from one window to the next; viewer-reference.md explains each key.\n"
-         << table << '\n';
+    text
+        << "# What trochoid-viewer keeps from one window to the next; viewer-reference.md explains each key.\n"
+        << table << '\n';
     return text.str();
 }
 
@@ -122,8 +123,9 @@ KeptSettings load_settings(const std::filesystem::path& file) {
     std::error_code none;
     if (file.empty() || !std::filesystem::exists(file, none)) return kept;
     const auto complain = [&](const std::string& what) {
-        kept.complaint = fmt::format("The settings {} are not used: {}. Mend or remove the file; it stays as it is.",
-                                     file.string(), what);
+        kept.complaint =
+            fmt::format("The settings {} are not used: {}. Mend or remove the file; it stays as it is.",
+                        file.string(), what);
     };
     std::ifstream stream(file, std::ios::binary);
     std::ostringstream text;
@@ -136,8 +138,9 @@ KeptSettings load_settings(const std::filesystem::path& file) {
         const toml::table table = toml::parse(text.str());
         Reader reader(table);
         if (const std::string bad = read(reader, kept.values); !bad.empty())
-            kept.complaint = fmt::format("Part of the settings {} is not used: {}. Mend or remove the file; it stays as it is.",
-                                         file.string(), bad);
+            kept.complaint = fmt::format(
+                "Part of the settings {} is not used: {}. Mend or remove the file; it stays as it is.",
+                file.string(), bad);
     } catch (const toml::parse_error& error) {
         complain(fmt::format("line {}: {}", error.source().begin.line, error.description()));
     }
@@ -160,8 +163,9 @@ void save_settings(const std::filesystem::path& file, const ViewerSettings& sett
     if (failure) {
         std::error_code ignored;
         std::filesystem::remove(beside, ignored);
-        throw OperatorError(fmt::format("Cannot keep the settings in {}: {}. Make the folder writable, or take --no-settings.",
-                                        file.string(), failure.message()));
+        throw OperatorError(fmt::format(
+            "Cannot keep the settings in {}: {}. Make the folder writable, or take --no-settings.",
+            file.string(), failure.message()));
     }
 }
 

@@ -22,17 +22,21 @@ T next_of(T value, int count) {
 
 }  // namespace
 
-ViewerState::ViewerState(const ViewerOptions& options, uint32_t late_pictures)
+ViewerState::ViewerState(const ViewerOptions& options)
     : wanted_(options.draw),
       quality_(options.quality),
       preset_(options.preset),
       fly_(options.camera),
       panels_(options.panels),
-      last_target_ms_(options.target_ms > 0 ? options.target_ms : usual_target_ms),
-      late_pictures_(late_pictures) {
+      last_target_ms_(options.target_ms > 0 ? options.target_ms : usual_target_ms) {
     if (options.target_ms > 0) budget_.emplace(options.target_ms, late_pictures_);
     if (options.freeze) frozen_ = fly_.camera();
     if (options.birds_eye) set_birds_eye(true);
+}
+
+void ViewerState::expect_times_late(uint32_t pictures) {
+    late_pictures_ = pictures;
+    if (budget_) budget_.emplace(budget_->target_ms(), late_pictures_);
 }
 
 void ViewerState::set_birds_eye(bool above) {
@@ -130,8 +134,8 @@ bool ViewerState::press(const KeyPress& press, std::string& notice) {
 
 DrawOptions ViewerState::in_force() const { return budget_ ? budget_->apply(wanted_) : wanted_; }
 
-void ViewerState::took(double load_ms) {
-    if (budget_) budget_->add(load_ms, wanted_);
+void ViewerState::took(double load_ms, Layers present) {
+    if (budget_) budget_->add(load_ms, wanted_, present);
 }
 
 float ViewerState::error_for_server() const {

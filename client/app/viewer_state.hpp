@@ -12,8 +12,9 @@ namespace trochoid {
 /// What the keys change of a picture: values only, no window and no OpenGL.
 class ViewerState {
 public:
-    /// `late_pictures`: so many after a change are drawn before what they took is known.
-    explicit ViewerState(const ViewerOptions& options, uint32_t late_pictures = 5);
+    explicit ViewerState(const ViewerOptions& options);
+    /// So many pictures after a change are drawn before what they took is known; 5 if nobody says otherwise.
+    void expect_times_late(uint32_t pictures);
 
     /// What a key asks for, as far as it is of the picture; false for those that are of the window or of files (close, full screen,
     /// picture, record). Gives words for people in `notice`, which is empty where the picture says enough.
@@ -21,8 +22,8 @@ public:
 
     /// All that is wanted, less what the controller has given up.
     DrawOptions in_force() const;
-    /// Takes what a picture took.
-    void took(double load_ms);
+    /// Takes what a picture of a sea with these layers took.
+    void took(double load_ms, Layers present = displayed_layers);
     /// Error that the server is told: in steps of a factor of sqrt 2, so that a controller at work does not have the server decide anew all the time.
     float error_for_server() const;
 
@@ -52,7 +53,7 @@ private:
     bool boxes_before_ = false;  // shown before the bird's eye
     std::optional<FrameBudget> budget_;
     double last_target_ms_;
-    uint32_t late_pictures_;
+    uint32_t late_pictures_ = 5;
 };
 
 }  // namespace trochoid

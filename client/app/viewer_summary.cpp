@@ -34,6 +34,7 @@ nlohmann::ordered_json choices_of(const ViewerSummary& s) {
         {"hour", s.options.hour},
         {"error_px", s.options.error_px},
         {"samples", s.options.samples},
+        {"scale", s.options.render_scale},
         {"layers", layers},
     };
 }
@@ -42,9 +43,9 @@ nlohmann::ordered_json budget_of(const BudgetReport& b) {
     std::vector<std::string> given;
     for (const Sacrifice what : b.given_up) given.emplace_back(name_of(what));
     return {
-        {"target_ms", b.target_ms},       {"takes_ms", b.load_ms},
-        {"state", name_of(b.verdict)},    {"mesh_coarser_by", b.error_factor},
-        {"given_up", given},              {"left_to_give_up", b.left_to_give},
+        {"target_ms", b.target_ms},    {"takes_ms", b.load_ms},
+        {"state", name_of(b.verdict)}, {"mesh_coarser_by", b.error_factor},
+        {"given_up", given},           {"left_to_give_up", b.left_to_give},
         {"changes", b.changes},
     };
 }

@@ -22,7 +22,7 @@ struct ViewerSummary {
     FrameReport last;
     SourceStatistics source;
     SeaTime sea_time;
-    std::string gl;  ///< version and device
+    std::string gl;                                ///< version and device
     std::map<std::string, double> median_pass_ms;  ///< on the GPU, by the pass's name
     DrawOptions options;                           ///< in force at the end
     Quality quality = Quality::medium;

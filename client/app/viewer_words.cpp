@@ -95,10 +95,11 @@ void set_projected(const std::string& text, DrawOptions& options) {
     unsigned rows = 0;
     unsigned columns = 0;
     char rest = 0;
-    if (std::sscanf(text.c_str(), "%ux%u%c", &rows, &columns, &rest) != 2 || rows < 2 || rows > 512 || columns < 2 ||
-        columns > 512)
+    if (std::sscanf(text.c_str(), "%ux%u%c", &rows, &columns, &rest) != 2 || rows < 2 || rows > 512 ||
+        columns < 2 || columns > 512)
         throw OperatorError(fmt::format(
-            "--projected {}: give ROWSxCOLUMNS of the grid on the screen, each 2 to 512, as in 100x160.", text));
+            "--projected {}: give ROWSxCOLUMNS of the grid on the screen, each 2 to 512, as in 100x160.",
+            text));
     options.projected_rows = rows;
     options.projected_columns = columns;
 }
@@ -115,7 +116,8 @@ double hour_of(const std::string& text) {
     else if (std::sscanf(text.c_str(), "%lf%c", &decimal, &rest) == 1)
         hour = decimal;
     if (!std::isfinite(hour) || hour < 0 || hour > 24)
-        throw OperatorError(fmt::format("--hour {}: give the time of day, 0 to 24, as in 16.5 or 16:30.", text));
+        throw OperatorError(
+            fmt::format("--hour {}: give the time of day, 0 to 24, as in 16.5 or 16:30.", text));
     return hour;
 }
 

@@ -1,6 +1,5 @@
 #include "client/app/viewing.hpp"
 
-#include <epoxy/gl.h>
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
@@ -34,6 +33,13 @@ constexpr double longest_wait_s = 0.1;
 /// Medians are over the last frames: a window that stays open for days shall not grow.
 constexpr size_t most_kept = 20'000;
 
+/// With the pixels that are drawn, which a target of a smaller scale enlarges.
+Camera scaled(Camera camera, const RenderTarget& target) {
+    camera.width = target.drawn_width();
+    camera.height = target.drawn_height();
+    return camera;
+}
+
 void keep(std::vector<double>& values, double value) {
     if (values.size() >= most_kept) values.erase(values.begin(), values.begin() + most_kept / 2);
     values.push_back(value);
@@ -52,6 +58,8 @@ Viewing::Viewing(SeaSource& source, const ViewerOptions& options)
     renderer_ = std::make_unique<Renderer>();
     overlay_ = std::make_unique<Overlay>(window_.get(), options.text_scale);
     software_ = is_software_gl();
+    // Then each picture is done when its time is taken.
+    if (software_ || !window_) state_.expect_times_late(1);
     last_news_ = Clock::now();
     spdlog::info("{}", describe_gl());
 }
@@ -115,7 +123,8 @@ void Viewing::press(const KeyPress& key) {
 
 void Viewing::tell(const std::string& notice) {
     notice_ = notice;
-    notice_until_ = Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(notice_s));
+    notice_until_ =
+        Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(notice_s));
     spdlog::info("{}", notice);
 }
 
@@ -149,7 +158,8 @@ void Viewing::stop_recording_with(const std::string& why) {
 
 void Viewing::tell_view() {
     const auto& frozen = state_.frozen();
-    ViewState view = view_of(frozen.value_or(state_.fly().camera()), frozen ? glm::dvec3(0) : state_.fly().velocity());
+    ViewState view =
+        view_of(frozen.value_or(state_.fly().camera()), frozen ? glm::dvec3(0) : state_.fly().velocity());
     view.accepted_error_px = state_.error_for_server();
     source_.set_view(view);
 }
@@ -182,11 +192,13 @@ void Viewing::note(const SceneInput& input) {
     report_link(input.statistics.state);
     statistics_ = input.statistics;
     if (input.state != last_state_ || input.tiles.size() != last_tiles_) {
+        if (input.state && input.state != last_state_) present_ = layers_in(*input.state);
         last_state_ = input.state;
         last_tiles_ = input.tiles.size();
         last_news_ = Clock::now();
     }
-    if (!state_.wanted().rays || !input.state || seconds_between(rays_asked_, last_frame_) < rays_every_s) return;
+    if (!state_.wanted().rays || !input.state || seconds_between(rays_asked_, last_frame_) < rays_every_s)
+        return;
     rays_asked_ = last_frame_;
     for (const auto& [id, box] : input.state->boxes) source_.request_rays(id);
 }
@@ -203,17 +215,22 @@ void Viewing::draw(const SceneInput& input) {
     Camera camera = state_.fly().camera();
     floor_.lift(camera, input);
     const DrawOptions options = state_.in_force();
-    resize(camera, options.samples);
-    report_ = renderer_->draw(*target_, input, camera, state_.frozen().value_or(camera), options);
+    resize(camera, options);
+    report_ = renderer_->draw(*target_, input, scaled(camera, *target_),
+                              scaled(state_.frozen().value_or(camera), *target_), options);
     account_trains(input, camera);
     overlay_->draw(content(input, camera), state_.panels(), target_->width(), target_->height());
 }
 
-void Viewing::resize(const Camera& camera, uint32_t samples) {
-    if (target_ && target_->width() == camera.width && target_->height() == camera.height && samples_ == samples) return;
+void Viewing::resize(const Camera& camera, const DrawOptions& options) {
+    if (target_ && target_->width() == camera.width && target_->height() == camera.height &&
+        samples_ == options.samples && scale_ == options.render_scale)
+        return;
     target_.reset();
-    target_ = std::make_unique<RenderTarget>(camera.width, camera.height, samples);
-    samples_ = samples;
+    target_ =
+        std::make_unique<RenderTarget>(camera.width, camera.height, options.samples, options.render_scale);
+    samples_ = options.samples;
+    scale_ = options.render_scale;
 }
 
 /// Keeps the picture where it is recorded.
@@ -236,7 +253,7 @@ void Viewing::show() {
         window_->show_frame();
     } else {
         // Without a window nothing else waits for the picture, and frame times would be those of giving commands.
-        glFinish();
+        RenderTarget::finish();
     }
 }
 
@@ -263,7 +280,7 @@ void Viewing::count(double seconds, double load) {
     keep(cpu_ms_, report_.cpu_ms);
     keep(gpu_ms_, report_.gpu_ms);
     for (const PassTime& pass : report_.passes) keep(pass_ms_[pass.name], pass.ms);
-    state_.took(load);
+    state_.took(load, present_);
     if (begun_ && shows_known_time_) {
         ++counted_frames_;
         sea_clock_.advance();
@@ -272,11 +289,13 @@ void Viewing::count(double seconds, double load) {
 
 void Viewing::account_trains(const SceneInput& input, const Camera& camera) {
     const auto now = Clock::now();
-    if (!input.state || (trains_ && (!state_.panels().numbers || seconds_between(trains_at_, now) < trains_every_s)))
+    if (!input.state ||
+        (trains_ && (!state_.panels().numbers || seconds_between(trains_at_, now) < trains_every_s)))
         return;
     trains_at_ = now;
     const DrawOptions options = state_.in_force();
-    const DisplayFilter filter = filter_of(camera, options, input.statistics.error_in_force_px);
+    const DisplayFilter filter =
+        filter_of(scaled(camera, *target_), options, input.statistics.error_in_force_px);
     trains_ = account_of(*input.state, camera.position, input.now,
                          vertex_spacing(filter, static_cast<float>(camera.altitude_m)), options.layers);
 }

@@ -65,7 +65,7 @@ private:
     void note(const SceneInput& input);
     void report_link(const std::string& state);
     void draw(const SceneInput& input);
-    void resize(const Camera& camera, uint32_t samples);
+    void resize(const Camera& camera, const DrawOptions& options);
     void capture();
     void show();
     void count(double seconds, double load_ms);
@@ -89,7 +89,9 @@ private:
     std::unique_ptr<RenderTarget> target_;
     std::unique_ptr<GlHealth> health_;
     bool software_ = false;
-    uint32_t samples_ = 1;  // of the target
+    // Of the target.
+    uint32_t samples_ = 1;
+    float scale_ = 1.0F;
 
     std::unique_ptr<Recording> recording_;
     Clock::time_point recording_since_;
@@ -107,6 +109,7 @@ private:
     Clock::time_point rays_asked_;
     // What came last, and when.
     std::shared_ptr<const InterestState> last_state_;
+    Layers present_ = displayed_layers;  // in it
     size_t last_tiles_ = 0;
     Clock::time_point last_news_;
 

@@ -18,8 +18,7 @@ std::array<glm::vec4, 4> sides_of(const BedMap& bed, LatticePoint eye) {
 
 }  // namespace
 
-CoherentLand::CoherentLand()
-    : cell_uniform_(program_.uniform("cell")), highest_uniform_(program_.uniform("highest")) {}
+CoherentLand::CoherentLand() : cell_uniform_(program_.uniform("cell")) {}
 
 void CoherentLand::prepare(const FrameUniforms& frame, GLuint frame_buffer, LatticePoint anchor,
                            const MeshEye& eye, const BedMap& bed, uint32_t most_triangles) {
@@ -27,7 +26,6 @@ void CoherentLand::prepare(const FrameUniforms& frame, GLuint frame_buffer, Latt
     if (bed.columns < 2 || bed.rows < 2) return;
     anchor_ = anchor;
     cell_m_ = static_cast<float>(bed.spacing_m);
-    highest_m_ = std::max(0.0F, *std::max_element(bed.heights.begin(), bed.heights.end()));
     MeshEye own = eye;
     own.filter.finest_spacing = std::max(own.filter.finest_spacing, cell_m_);
     if (own.refinement != Refinement::frustum) {
@@ -41,6 +39,8 @@ void CoherentLand::prepare(const FrameUniforms& frame, GLuint frame_buffer, Latt
     uniforms_.fill(GL_UNIFORM_BUFFER, std::span<const FrameUniforms>(&u, 1), GL_STREAM_DRAW);
     glBindBufferBase(GL_UNIFORM_BUFFER, frame_binding, uniforms_.name());
     work_ = mesh_.update(anchor, own, most_triangles);
+    mesh_.list_visible(anchor,
+                       {std::max(0.0F, *std::max_element(bed.heights.begin(), bed.heights.end())), false});
     glBindBufferBase(GL_UNIFORM_BUFFER, frame_binding, frame_buffer);
 }
 
@@ -50,10 +50,9 @@ void CoherentLand::draw(GLuint frame_buffer, bool wireframe) {
     program_.use();
     mesh_.bind_triangles(program_, anchor_);
     glUniform1f(cell_uniform_, cell_m_);
-    glUniform1f(highest_uniform_, highest_m_);
     glBindBufferBase(GL_UNIFORM_BUFFER, frame_binding, uniforms_.name());
     if (wireframe) glPolygonMode(GL_FRONT_AND_BACK, GL_LINE);
-    glDrawArrays(GL_TRIANGLES, 0, static_cast<GLsizei>(work_.triangles) * 3);
+    glDrawArrays(GL_TRIANGLES, 0, static_cast<GLsizei>(mesh_.visible()) * 3);
     glPolygonMode(GL_FRONT_AND_BACK, GL_FILL);
     glBindBufferBase(GL_UNIFORM_BUFFER, frame_binding, frame_buffer);
 }

@@ -23,13 +23,11 @@ private:
     CoherentMesh mesh_;
     ShaderProgram program_{"coherent_land.vert", "land.frag"};
     GLint cell_uniform_ = -1;
-    GLint highest_uniform_ = -1;
     GlVertexArray nothing_;
     GlBuffer uniforms_;  // the Frame block with the land's own criterion
     CoherentWork work_;
     LatticePoint anchor_;
     float cell_m_ = 1;
-    float highest_m_ = 0;
 };
 
 }  // namespace trochoid

@@ -6,8 +6,6 @@
 #include <bit>
 #include <cmath>
 
-#include "protocol/units/assert.hpp"
-
 namespace trochoid {
 
 namespace {
@@ -19,8 +17,11 @@ static_assert(std::endian::native == std::endian::little, "shaders read the low 
 constexpr uint32_t most_records = 24;
 constexpr uint32_t most_records_from_base = 64;
 constexpr size_t least_capacity = 1U << 14;
-/// RG32I texels of a triangle.
-constexpr size_t texels_a_triangle = sizeof(CoherentTriangle) / 8;
+/// Attributes of a record: three corners, I, P.
+constexpr GLuint attributes = sizeof(CoherentTriangle) / 8;
+/// A listed triangle: three RG32I texels.
+constexpr size_t texels_a_triangle = 3;
+constexpr size_t listed_bytes = texels_a_triangle * 8;
 
 /// Steps by which a mesh that does not fit is made coarser.
 constexpr float coarser_step = 1.25F;
@@ -42,12 +43,13 @@ std::array<uint32_t, 2 * (coherent_most_levels + 1)> ones() {
     return words;
 }
 
-/// Squared factor over the wanted length from which on a right triangle's ancestors are surely divided by pattern 1, too: spacing
-/// changes by at most the angle (or spacing_outside_view) a metre, an ancestor's edge is at least sqrt(2) times as long as any of
-/// the triangle's, its middle no farther than 1.12 times its length.
+/// Squared factor over the wanted length from which on a right triangle's ancestors are surely divided by pattern 1, too. An
+/// ancestor's edge is L' >= sqrt(2) L, L the longest of the triangle's, and its middle at most 1.12 L' away; the spacing changes
+/// by at most 1/8 a metre. So 2 spacings there are at most L / factor + 0.28 L', below L' from a factor of 1.01; on the screen,
+/// where L' may count half, from 1.9.
 float surely_divided(const MeshEye& eye) {
     if (eye.filter.angle_per_vertex > 0.05F) return 1e30F;
-    return eye.refinement == Refinement::screen ? 16.0F : 4.0F;
+    return eye.refinement == Refinement::screen ? 4.0F : 1.5F;
 }
 
 glm::ivec2 difference(LatticePoint a, LatticePoint b) {
@@ -63,14 +65,20 @@ bool CoherentMesh::is_cut(const Eye& from, const Eye& to) {
     const double x = metres(to.anchor.x + to.eye.cell.x - from.anchor.x - from.eye.cell.x);
     const double z = metres(to.anchor.z + to.eye.cell.y - from.anchor.z - from.eye.cell.y);
     const auto height = [](const Eye& e) {
-        const double finest = e.eye.filter.angle_per_vertex > 0
-                                  ? double{e.eye.filter.finest_spacing} / double{e.eye.filter.angle_per_vertex}
-                                  : 1e9;
+        const double finest = e.eye.filter.angle_per_vertex > 0 ? double{e.eye.filter.finest_spacing} /
+                                                                      double{e.eye.filter.angle_per_vertex}
+                                                                : 1e9;
         return std::hypot(double{e.eye.altitude}, finest);
     };
     const double low = std::min(height(from), height(to));
     const double high = std::max(height(from), height(to));
     return std::hypot(x, z) > 0.25 * low || high > 1.5 * low;
+}
+
+bool CoherentMesh::Eye::same_mesh_as(const Eye& other) const {
+    Eye there = other;
+    if (eye.refinement != Refinement::frustum) there.eye.sides = eye.sides;
+    return same_as(there);
 }
 
 bool CoherentMesh::Eye::same_as(const Eye& other) const {
@@ -84,7 +92,8 @@ bool CoherentMesh::Eye::same_as(const Eye& other) const {
 
 CoherentMesh::CoherentMesh()
     : going_on_({"coherent_update.vert", "coherent_update.geom"}, update_options(most_records)),
-      from_base_({"coherent_update.vert", "coherent_update.geom"}, update_options(most_records_from_base)) {
+      from_base_({"coherent_update.vert", "coherent_update.geom"}, update_options(most_records_from_base)),
+      cull_({"coherent_update.vert", "coherent_cull.geom"}, {{}, {"corner_a", "corner_b", "corner_c"}}) {
     glGenQueries(static_cast<GLsizei>(queries_.size()), queries_.data());
     for (const ShaderProgram* program : {&going_on_, &from_base_}) {
         program->use();
@@ -98,7 +107,7 @@ CoherentMesh::~CoherentMesh() { glDeleteQueries(static_cast<GLsizei>(queries_.si
 void CoherentMesh::attach(const Store& store) {
     store.layout.bind();
     glBindBuffer(GL_ARRAY_BUFFER, store.buffer.name());
-    for (GLuint i = 0; i < texels_a_triangle; ++i) {
+    for (GLuint i = 0; i < attributes; ++i) {
         glEnableVertexAttribArray(i);
         glVertexAttribIPointer(i, 2, i < 3 ? GL_INT : GL_UNSIGNED_INT, sizeof(CoherentTriangle),
                                buffer_offset(i * 8));
@@ -110,10 +119,19 @@ void CoherentMesh::reserve(Store& store, size_t triangles) {
     if (store.capacity >= triangles) return;
     store.capacity = std::max(least_capacity, triangles);
     glBindBuffer(GL_TRANSFORM_FEEDBACK_BUFFER, store.buffer.name());
-    glBufferData(GL_TRANSFORM_FEEDBACK_BUFFER, static_cast<GLsizeiptr>(store.capacity * sizeof(CoherentTriangle)),
+    glBufferData(GL_TRANSFORM_FEEDBACK_BUFFER,
+                 static_cast<GLsizeiptr>(store.capacity * sizeof(CoherentTriangle)), nullptr,
+                 GL_DYNAMIC_COPY);
+}
+
+void CoherentMesh::reserve_list(size_t triangles) {
+    if (list_capacity_ >= triangles) return;
+    list_capacity_ = std::max(least_capacity, triangles);
+    glBindBuffer(GL_TRANSFORM_FEEDBACK_BUFFER, list_.name());
+    glBufferData(GL_TRANSFORM_FEEDBACK_BUFFER, static_cast<GLsizeiptr>(list_capacity_ * listed_bytes),
                  nullptr, GL_DYNAMIC_COPY);
-    store.texels.bind(GL_TEXTURE_BUFFER, first_own_unit);
-    glTexBuffer(GL_TEXTURE_BUFFER, GL_RG32I, store.buffer.name());
+    list_texels_.bind(GL_TEXTURE_BUFFER, first_own_unit);
+    glTexBuffer(GL_TEXTURE_BUFFER, GL_RG32I, list_.name());
 }
 
 size_t CoherentMesh::most_capacity() {
@@ -124,7 +142,8 @@ size_t CoherentMesh::most_capacity() {
 
 void CoherentMesh::take_window(LatticePoint eye) {
     const CoherentWindow next = count_ == 0 ? window_about(eye) : window_about(eye, window_);
-    const bool overlap = std::max(std::abs(next.x - window_.x), std::abs(next.z - window_.z)) < coherent_cells;
+    const bool overlap =
+        std::max(std::abs(next.x - window_.x), std::abs(next.z - window_.z)) < coherent_cells;
     const bool keep = count_ != 0 && overlap;
     if (keep && next == window_) return;
     const std::vector<CoherentTriangle> base = keep ? base_triangles(next, window_) : base_triangles(next);
@@ -204,10 +223,12 @@ CoherentWork CoherentMesh::update(LatticePoint anchor, const MeshEye& eye, uint3
     CoherentWork work;
     const bool finer = coarser_ > 1.0F && count_ < most_triangles / 3;
     const bool too_many = count_ > most_triangles;
-    if (count_ != 0 && made_for_ && made_for_->same_as(now) && !finer && !too_many) {
+    if (count_ != 0 && made_for_ && made_for_->same_mesh_as(now) && !finer && !too_many) {
         work.triangles = count_;
+        made_for_ = now;
         return work;
     }
+    listed_for_.reset();
     if (finer) coarser_ = std::max(1.0F, coarser_ / coarser_step);
     if (made_for_ && is_cut(*made_for_, now)) forget();
     work.from_base = count_ == 0;
@@ -218,8 +239,40 @@ CoherentWork CoherentMesh::update(LatticePoint anchor, const MeshEye& eye, uint3
     return work;
 }
 
+void CoherentMesh::list_visible(LatticePoint anchor, const Choice& choice) {
+    if (listed_for_ && made_for_ && listed_for_->same_as(*made_for_) && listed_ == choice) return;
+    reserve_list(stores_[current_].capacity);
+    const glm::ivec2 origin = difference(window_.origin(), anchor);
+    cull_.use();
+    glUniform2i(cull_.uniform("mesh_origin"), origin.x, origin.y);
+    glUniform1f(cull_.uniform("height"), choice.height_m);
+    glUniform1i(cull_.uniform("everything"), choice.everything ? 1 : 0);
+    glEnable(GL_RASTERIZER_DISCARD);
+    glBindBufferBase(GL_TRANSFORM_FEEDBACK_BUFFER, 0, list_.name());
+    glBeginQuery(GL_TRANSFORM_FEEDBACK_PRIMITIVES_WRITTEN, queries_[3]);
+    glBeginTransformFeedback(GL_POINTS);
+    stores_[current_].layout.bind();
+    glDrawArrays(GL_POINTS, 0, static_cast<GLsizei>(count_));
+    glEndTransformFeedback();
+    glEndQuery(GL_TRANSFORM_FEEDBACK_PRIMITIVES_WRITTEN);
+    glBindBufferBase(GL_TRANSFORM_FEEDBACK_BUFFER, 0, 0);
+    glDisable(GL_RASTERIZER_DISCARD);
+    visible_.reset();
+    listed_for_ = made_for_;
+    listed_ = choice;
+}
+
+uint32_t CoherentMesh::visible() {
+    if (!visible_) {
+        GLuint written = 0;
+        glGetQueryObjectuiv(queries_[3], GL_QUERY_RESULT, &written);
+        visible_ = written;
+    }
+    return *visible_;
+}
+
 void CoherentMesh::bind_triangles(const ShaderProgram& program, LatticePoint anchor) const {
-    stores_[current_].texels.bind(GL_TEXTURE_BUFFER, first_own_unit);
+    list_texels_.bind(GL_TEXTURE_BUFFER, first_own_unit);
     const glm::ivec2 origin = difference(window_.origin(), anchor);
     glUniform1i(program.uniform("coherent_triangles"), first_own_unit);
     glUniform2i(program.uniform("mesh_origin"), origin.x, origin.y);

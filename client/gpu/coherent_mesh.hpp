@@ -30,6 +30,17 @@ public:
     /// be bound. Of more triangles than `most_triangles` all are made coarser alike. Leaves program, layout and
     /// transform feedback binding changed.
     CoherentWork update(LatticePoint anchor, const MeshEye& eye, uint32_t most_triangles);
+    /// What of the mesh is drawn.
+    struct Choice {
+        float height_m = 0;       ///< that the surface may rise beyond the waves, which are in MeshEye::sides
+        bool everything = false;  ///< in view or not
+        bool operator==(const Choice&) const = default;
+    };
+    /// Lists what the eye of the last update() may see, with the same Frame block; what is left out costs no vertex.
+    void list_visible(LatticePoint anchor, const Choice& choice);
+    /// Number of triangles listed; waits for the GPU the first time.
+    uint32_t visible();
+
     /// The next update starts from the base mesh.
     void forget() { count_ = 0; }
 
@@ -39,9 +50,11 @@ public:
     /// The wanted spacing is multiplied by this so that the mesh fits.
     float coarser() const { return coarser_; }
     /// Bytes that its buffers hold.
-    size_t bytes() const { return (stores_[0].capacity + stores_[1].capacity) * sizeof(CoherentTriangle); }
+    size_t bytes() const {
+        return (stores_[0].capacity + stores_[1].capacity) * sizeof(CoherentTriangle) + list_capacity_ * 24;
+    }
 
-    /// Binds the triangles for shaders/coherent_corner.glsl; `program` is current.
+    /// Binds the listed triangles for shaders/coherent_corner.glsl; `program` is current.
     void bind_triangles(const ShaderProgram& program, LatticePoint anchor) const;
     /// Reads them back: for tests, slow.
     std::vector<CoherentTriangle> read() const;
@@ -49,7 +62,6 @@ public:
 private:
     struct Store {
         GlBuffer buffer;
-        GlTexture texels;
         GlVertexArray layout;
         size_t capacity = 0;  // triangles
     };
@@ -57,6 +69,8 @@ private:
         LatticePoint anchor;
         MeshEye eye;
         bool same_as(const Eye& other) const;
+        /// Whether the other wants the same mesh: where it looks matters by the frustum only.
+        bool same_mesh_as(const Eye& other) const;
     };
     struct Pass {
         bool overflowed = false;
@@ -65,6 +79,7 @@ private:
     };
     static void attach(const Store& store);
     static void reserve(Store& store, size_t triangles);
+    void reserve_list(size_t triangles);
     static size_t most_capacity();
     void take_window(LatticePoint eye);
     uint32_t converge(const Eye& now, uint32_t most_triangles);
@@ -74,6 +89,13 @@ private:
     ShaderProgram going_on_;
     ShaderProgram from_base_;  // the same with more room to emit
     std::array<Store, 2> stores_;
+    ShaderProgram cull_;
+    GlBuffer list_;  // corners of what is seen
+    GlTexture list_texels_;
+    size_t list_capacity_ = 0;         // triangles
+    std::optional<uint32_t> visible_;  // in the list; unknown until the GPU has told
+    std::optional<Eye> listed_for_;
+    Choice listed_;
     Store fresh_;               // base triangles that a moved window brings in
     uint32_t fresh_count_ = 0;  // of them
     size_t current_ = 0;        // which store holds the mesh
@@ -82,7 +104,7 @@ private:
     glm::ivec2 moved_{0};  // of the window, lattice units, not yet applied to the stored triangles
     std::optional<Eye> made_for_;
     float coarser_ = 1.0F;
-    std::array<GLuint, 3> queries_{};
+    std::array<GLuint, 4> queries_{};
 
 public:
     CoherentMesh(const CoherentMesh&) = delete;

@@ -17,6 +17,7 @@ public:
     CoherentMesh& mesh() { return mesh_; }
 
 private:
+    bool everything_;  // drawn, in view or not
     CoherentMesh mesh_;
     ShaderProgram program_;
     GlVertexArray nothing_;

@@ -48,7 +48,7 @@ struct FrameInputs {
     SeaTime now;
     int ripple_axis = 0;   ///< see ripple_axis_near
     DrawOptions options;   ///< layers, methods and the like
-    glm::vec2 heading{0};  ///< where the slopes near the camera travel (SeaTable::heading_at)
+    glm::vec2 heading{0};  ///< where the slopes near the camera travel (SeaWeather::heading)
     SkyLight light{};
     SeaWeather weather{};
     glm::vec4 scroll{0};          ///< RippleScroll::tiles

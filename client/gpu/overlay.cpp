@@ -51,7 +51,10 @@ void Overlay::follow_density() {
 
 void Overlay::draw(const OverlayContent& content, OverlayPanels panels, uint32_t width, uint32_t height) {
     const bool trouble = !content.source.connected && !content.source.state.empty();
-    if (panels == OverlayPanels{} && !trouble && content.notice.empty() && !content.birds_eye) return;
+    const bool nothing =
+        panels == OverlayPanels{} && !trouble && content.notice.empty() && !content.birds_eye;
+    // With a window the library has to see that nothing is shown, or it goes on taking the mouse for a panel that is gone.
+    if (nothing && window_ == nullptr) return;
     follow_density();
     ImGui_ImplOpenGL3_NewFrame();
     if (window_ != nullptr) {

@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 #include <glm/vec4.hpp>
+#include <utility>
 
 #include "client/gpu/key_bindings.hpp"
 #include "client/scene/debug_lines.hpp"
@@ -21,9 +22,9 @@ const ImVec4 lit{1.0F, 0.85F, 0.3F, 1.0F};
 const ImVec4 pale{0.62F, 0.68F, 0.75F, 1.0F};
 const ImVec4 warning{1.0F, 0.55F, 0.4F, 1.0F};
 
-constexpr ImGuiWindowFlags plain_window =
-    ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoCollapse |
-    ImGuiWindowFlags_NoNav | ImGuiWindowFlags_NoFocusOnAppearing;
+constexpr ImGuiWindowFlags plain_window = ImGuiWindowFlags_AlwaysAutoResize |
+                                          ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoCollapse |
+                                          ImGuiWindowFlags_NoNav | ImGuiWindowFlags_NoFocusOnAppearing;
 
 /// Width of so many characters.
 float wide(float characters) { return ImGui::GetFontSize() * 0.54F * characters; }
@@ -62,20 +63,34 @@ std::string count_text(uint32_t count) {
     return count < 10'000 ? fmt::format("{}", count) : fmt::format("{:.0f} k", count * 1e-3);
 }
 
+/// Words with commas, in lines that keep the panel narrow.
+std::vector<std::string> joined(const std::vector<std::string>& words) {
+    constexpr size_t line_characters = 46;
+    std::vector<std::string> lines;
+    for (const std::string& word : words) {
+        if (!lines.empty()) lines.back() += ',';
+        if (lines.empty() || lines.back().size() + word.size() > line_characters)
+            lines.push_back(word);
+        else
+            lines.back() += ' ' + word;
+    }
+    return lines;
+}
+
 void budget_rows(const BudgetReport& b) {
     const bool late = b.verdict == BudgetVerdict::exhausted;
-    row("Target",
-        fmt::format("{:.1f} ms: takes {:.1f}, {}", b.target_ms, b.load_ms, name_of(b.verdict)),
+    row("Target", fmt::format("{:.1f} ms: takes {:.1f}, {}", b.target_ms, b.load_ms, name_of(b.verdict)),
         late ? &warning : nullptr);
-    std::string given;
-    for (const Sacrifice s : b.given_up) given += fmt::format("{}{}", given.empty() ? "" : ", ", name_of(s));
-    if (b.error_factor > 1.005) row("Given up", fmt::format("mesh {:.1f} times as coarse", b.error_factor));
-    if (!given.empty()) row(b.error_factor > 1.005 ? "" : "Given up", given);
+    std::vector<std::string> given;
+    if (b.error_factor > 1.005) given.push_back(fmt::format("mesh {:.1f} times as coarse", b.error_factor));
+    for (const Sacrifice what : b.given_up) given.emplace_back(name_of(what));
+    const char* name = "Given up";
+    for (const std::string& line : joined(given)) row(std::exchange(name, ""), line);
 }
 
 void picture_rows(const OverlayContent& c) {
-    row("Frames", fmt::format("{:.1f} /s   {:.1f} ms   CPU {:.1f}   GPU {:.1f}", c.frames_per_second, c.frame_ms,
-                              c.report.cpu_ms, c.report.gpu_ms));
+    row("Frames", fmt::format("{:.1f} /s   {:.1f} ms   CPU {:.1f}   GPU {:.1f}", c.frames_per_second,
+                              c.frame_ms, c.report.cpu_ms, c.report.gpu_ms));
     if (c.budget) budget_rows(*c.budget);
     row("Sea", fmt::format("{} triangles in {} draws, patches {} of {}", count_text(c.report.sea_triangles),
                            c.report.draws, c.report.patches_drawn, c.report.patches_known));
@@ -87,8 +102,8 @@ void picture_rows(const OverlayContent& c) {
                                   c.report.land_blocks_left_out));
     row("Wave trains", fmt::format("{} in {} boxes", c.report.trains, c.report.boxes));
     if (c.trains) {
-        row("Here", fmt::format("{} of {} trains shown, at most {:.2f} m lost", c.trains->shown, c.trains->known,
-                                c.trains->lost_m));
+        row("Here", fmt::format("{} of {} trains shown, at most {:.2f} m lost", c.trains->shown,
+                                c.trains->known, c.trains->lost_m));
         row("", fmt::format("the best {} {} {:.2f} m; not sent: {:.2f} m", c.trains->shown,
                             c.trains->best_proven ? "lose" : "lose about", c.trains->best_lost_m,
                             c.trains->server_left_out_m));
@@ -108,24 +123,29 @@ void choice_rows(const OverlayContent& c) {
     row("Mesher", fmt::format("{}, refined by {}", mesher, name_of(o.refinement)));
     row("Shown", fmt::format("{}, far {}, {} light", name_of(o.displacement), name_of(o.far_method),
                              hour_text(o.hour)));
-    row("Quality", fmt::format("{}, {} sample{} a pixel{}{}", name_of(c.quality), o.samples,
-                               o.samples == 1 ? "" : "s", c.preset.empty() ? "" : ", preset ", c.preset));
+    const std::string scale = o.render_scale < 1.0F ? fmt::format(", {:.0f} % of the resolution",
+                                                                  static_cast<double>(o.render_scale) * 100.0)
+                                                    : "";
+    row("Quality",
+        fmt::format("{}, {} sample{} a pixel{}{}{}", name_of(c.quality), o.samples, o.samples == 1 ? "" : "s",
+                    scale, c.preset.empty() ? "" : ", preset ", c.preset));
 }
 
 void source_rows(const OverlayContent& c) {
     row("Camera", fmt::format("x {:.1f}  z {:.1f}  {:.1f} m up  {:.0f} m/s", to_metres(c.camera.position.x),
                               to_metres(c.camera.position.z), c.camera.altitude_m, c.speed));
     row("Sea time", time_text(c.now) + (c.time_held ? ", held" : ""));
-    row("Server", fmt::format("{}, {}", c.source.server_version.empty() ? "not known yet" : c.source.server_version,
-                              c.source.state));
-    row("Received", fmt::format("{} /s, {} in all, clock within {:.1f} ms", bytes_text(c.source.bytes_per_second),
-                                bytes_text(static_cast<double>(c.source.bytes_received)),
-                                c.source.clock_error_ms));
-    row("Results", fmt::format("{}, resyncs {}, log {}, {}", c.source.deltas, c.source.resyncs,
-                               c.source.log_position,
-                               c.source.fidelity == Fidelity::unknown
-                                   ? "not compared yet"
-                                   : fmt::format("{} viewer", name_of(c.source.fidelity))));
+    row("Server",
+        fmt::format("{}, {}", c.source.server_version.empty() ? "not known yet" : c.source.server_version,
+                    c.source.state));
+    row("Received",
+        fmt::format("{} /s, {} in all, clock within {:.1f} ms", bytes_text(c.source.bytes_per_second),
+                    bytes_text(static_cast<double>(c.source.bytes_received)), c.source.clock_error_ms));
+    row("Results",
+        fmt::format("{}, resyncs {}, log {}, {}", c.source.deltas, c.source.resyncs, c.source.log_position,
+                    c.source.fidelity == Fidelity::unknown
+                        ? "not compared yet"
+                        : fmt::format("{} viewer", name_of(c.source.fidelity))));
 }
 
 void word(const std::string& text, bool on) {
@@ -213,7 +233,8 @@ void frame_graph(const OverlayContent& c) {
         const float x = at.x + static_cast<float>(i) * width;
         const float height = std::min(ms / top, 1.0F) * size.y;
         list->AddRectFilled(ImVec2(x, at.y + size.y - height),
-                            ImVec2(x + std::max(width - 1.0F, 1.0F), at.y + size.y), colour_of_frame(ms, target));
+                            ImVec2(x + std::max(width - 1.0F, 1.0F), at.y + size.y),
+                            colour_of_frame(ms, target));
     }
     if (target > 0.0) {
         const float y = at.y + size.y - static_cast<float>(target) / top * size.y;
@@ -251,7 +272,8 @@ void draw_arrow(ImDrawList& list, ImVec2 at, ImVec2 ahead) {
     const auto triangle = [&](float grow, ImU32 colour) {
         const float l = length * grow;
         const auto corner = [&](float along, float aside) {
-            return ImVec2(at.x + (ahead.x * along - ahead.y * aside) * l, at.y + (ahead.y * along + ahead.x * aside) * l);
+            return ImVec2(at.x + (ahead.x * along - ahead.y * aside) * l,
+                          at.y + (ahead.y * along + ahead.x * aside) * l);
         };
         list.AddTriangleFilled(corner(1.0F, 0.0F), corner(-0.7F, -0.55F), corner(-0.7F, 0.55F), colour);
     };
@@ -270,9 +292,12 @@ void draw_sight(ImDrawList& list, const Camera& camera, const Camera& frozen) {
         return ImVec2((clip.x / w * 0.5F + 0.5F) * size.x, (0.5F - clip.y / w * 0.5F) * size.y);
     };
     const auto towards = [&](double yaw, float metres) {
-        return place + glm::vec3(static_cast<float>(std::sin(yaw)), 0.0F, static_cast<float>(-std::cos(yaw))) * metres;
+        return place +
+               glm::vec3(static_cast<float>(std::sin(yaw)), 0.0F, static_cast<float>(-std::cos(yaw))) *
+                   metres;
     };
-    const double aspect = static_cast<double>(frozen.width) / static_cast<double>(std::max(frozen.height, 1U));
+    const double aspect =
+        static_cast<double>(frozen.width) / static_cast<double>(std::max(frozen.height, 1U));
     const double half = std::atan(std::tan(frozen.vertical_angle / 2) * aspect);
     const ImVec2 from = in_picture(place);
     for (const double edge : {frozen.yaw - half, frozen.yaw + half}) {
@@ -322,7 +347,8 @@ void draw_numbers_panel(const OverlayContent& content) {
 
 void draw_timers_panel(const OverlayContent& content) {
     const ImVec2 size = ImGui::GetIO().DisplaySize;
-    ImGui::SetNextWindowPos(ImVec2(size.x - wide(1.5F), wide(1.5F)), ImGuiCond_FirstUseEver, ImVec2(1.0F, 0.0F));
+    ImGui::SetNextWindowPos(ImVec2(size.x - wide(1.5F), wide(1.5F)), ImGuiCond_FirstUseEver,
+                            ImVec2(1.0F, 0.0F));
     ImGui::SetNextWindowBgAlpha(0.6F);
     const std::string title =
         fmt::format("{:.1f} ms a frame, GPU {:.1f} ms###timers", content.frame_ms, content.report.gpu_ms);
@@ -386,7 +412,8 @@ void draw_map_marks(const Camera& camera, const std::optional<Camera>& frozen) {
     const ImVec2 north(std::sin(turn) * length * 1.6F, -std::cos(turn) * length * 1.6F);
     list->AddCircleFilled(rose, length * 2.0F, IM_COL32(0, 0, 0, 110));
     list->AddLine(ImVec2(rose.x - north.x * 0.6F, rose.y - north.y * 0.6F),
-                  ImVec2(rose.x + north.x * 0.5F, rose.y + north.y * 0.5F), IM_COL32(255, 255, 255, 200), 2.0F);
+                  ImVec2(rose.x + north.x * 0.5F, rose.y + north.y * 0.5F), IM_COL32(255, 255, 255, 200),
+                  2.0F);
     list->AddText(ImVec2(rose.x + north.x * 0.8F - wide(0.5F), rose.y + north.y * 0.8F - length * 0.5F),
                   IM_COL32(255, 255, 255, 255), "N");
 }

@@ -20,8 +20,8 @@ struct FileCloser {
 
 [[noreturn]] void refuse(const std::string& path, const char* why) {
     throw OperatorError(fmt::format(
-        "Cannot write the picture {}: {}. Name a file in a folder that you may write to and that has room.", path,
-        why));
+        "Cannot write the picture {}: {}. Name a file in a folder that you may write to and that has room.",
+        path, why));
 }
 
 }  // namespace
@@ -35,14 +35,17 @@ std::vector<uint8_t> encode_png(const Picture& picture) {
     std::vector<uint8_t> bytes(PNG_IMAGE_PNG_SIZE_MAX(image));
     png_alloc_size_t size = bytes.size();
     if (png_image_write_to_memory(&image, bytes.data(), &size, 0, picture.rgb.data(), 0, nullptr) == 0)
-        throw OperatorError(fmt::format("Cannot encode a picture of {} x {}: {}.", picture.width, picture.height,
-                                        image.message));
+        throw OperatorError(fmt::format("Cannot encode a picture of {} x {}: {}.", picture.width,
+                                        picture.height, image.message));
     bytes.resize(size);
     return bytes;
 }
 
 void write_png(const std::string& path, const Picture& picture) {
-    const std::vector<uint8_t> bytes = encode_png(picture);
+    write_picture_file(path, encode_png(picture));
+}
+
+void write_picture_file(const std::string& path, const std::vector<uint8_t>& bytes) {
     std::unique_ptr<std::FILE, FileCloser> file(std::fopen(path.c_str(), "wb"));
     if (!file) refuse(path, std::strerror(errno));
     // A full disk shows when the bytes are written, or only when the file is closed.

@@ -69,6 +69,7 @@ struct Renderer::Chosen {
     MeshEye eye;
     TerrainSelection land;
     DebugLines lines;
+    std::vector<FloatingShip> ships;
 };
 
 const InterestState& Renderer::known_state() const {
@@ -156,6 +157,8 @@ void Renderer::draw_passes(const Chosen& chosen, const Camera& camera, const Dra
         coherent_land_->draw(uniforms_.name(), options.wireframe);
     else if (options.land)
         land_.draw(chosen.land, chosen.frame, options.wireframe);
+    timers_.begin_pass("ships");
+    ships_.draw(chosen.ships, chosen.frame, options.wireframe);
     timers_.begin_pass("sea");
     draw_near_sea(mesher_of(options.mesher), options.wireframe);
     timers_.begin_pass("far sea");
@@ -193,7 +196,8 @@ FrameReport Renderer::draw(const RenderTarget& target, const SceneInput& input, 
                            const Camera& culling_camera, const DrawOptions& options) {
     const auto start = std::chrono::steady_clock::now();
     take_over(input);
-    const Chosen chosen = choose(input, camera, culling_camera, options);
+    Chosen chosen = choose(input, camera, culling_camera, options);
+    if (options.ships) chosen.ships = ship_waters_.ships(input, camera);
     timers_.begin_frame();
     timers_.begin_pass("light");
     upload(chosen, camera, input.now, options);

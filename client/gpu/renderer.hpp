@@ -13,6 +13,7 @@
 #include "client/gpu/pass_timers.hpp"
 #include "client/gpu/render_target.hpp"
 #include "client/gpu/sea_buffers.hpp"
+#include "client/gpu/ship_pass.hpp"
 #include "client/gpu/sky_pass.hpp"
 #include "client/gpu/spray_pass.hpp"
 #include "client/scene/draw_options.hpp"
@@ -62,6 +63,8 @@ private:
     SkyPass sky_;
     FoamPass foam_;
     SprayPass spray_;
+    ShipPass ships_;
+    ShipWaters ship_waters_;
     GlBuffer uniforms_;
 
     // What the tables were made of; they are made anew when these change.

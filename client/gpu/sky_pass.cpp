@@ -47,7 +47,8 @@ void SkyPass::upload(const SkyModel& model) {
     const auto faces = model.cube(cube_side);
     glPixelStorei(GL_UNPACK_ALIGNMENT, 4);
     for (uint32_t face = 0; face < 6; ++face)
-        glTexImage2D(face_target(face), 0, GL_RGB16F, cube_side, cube_side, 0, GL_RGB, GL_FLOAT, faces[face].data());
+        glTexImage2D(face_target(face), 0, GL_RGB16F, cube_side, cube_side, 0, GL_RGB, GL_FLOAT,
+                     faces[face].data());
     set_filters(GL_LINEAR);
 }
 
@@ -75,8 +76,8 @@ void SkyPass::prepare(SeaTime now, const FrameUniforms& frame) {
         cube_.use();
         nothing_.bind();
         for (GLint face = 0; face < 6; ++face) {
-            glFramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, face_target(static_cast<uint32_t>(face)),
-                                   reflected_.name(), 0);
+            glFramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0,
+                                   face_target(static_cast<uint32_t>(face)), reflected_.name(), 0);
             glUniform1i(face_uniform_, face);
             glDrawArrays(GL_TRIANGLES, 0, 3);
         }

@@ -12,7 +12,7 @@ public:
     /// Only in gale and storm is there any. Depth test and framebuffer are the caller's.
     void draw(const FoamPass& foam, float wind_m_s, uint32_t picture_height);
 
-    static constexpr int droplets_per_texel = 3;
+    static constexpr int droplets_per_texel = 4;
 
 private:
     ShaderProgram program_{"spray.vert", "spray.frag"};

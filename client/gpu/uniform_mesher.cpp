@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <tuple>
 
 namespace trochoid {
 
@@ -67,8 +68,9 @@ MeshCounts UniformMesher::prepare(const MesherInput& input) {
         return std::max(std::abs(corner.x + side / 2 - middle.x), std::abs(corner.y + side / 2 - middle.y));
     };
     // Nearest first: what lies behind then fails the depth test before it costs a fragment.
-    std::stable_sort(tiles_.begin(), tiles_.end(),
-                     [&](glm::ivec2 a, glm::ivec2 b) { return rings_away(a) < rings_away(b); });
+    std::sort(tiles_.begin(), tiles_.end(), [&](glm::ivec2 a, glm::ivec2 b) {
+        return std::tuple(rings_away(a), a.y, a.x) < std::tuple(rings_away(b), b.y, b.x);
+    });
     corners_.fill(GL_ARRAY_BUFFER, std::span<const glm::ivec2>(tiles_), GL_STREAM_DRAW);
     const float cell = static_cast<float>(1 << step_log2_) * 0x1p-10F;
     // The camera stands up to a cell off the middle.

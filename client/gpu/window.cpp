@@ -29,7 +29,8 @@ bool overlay_has_mouse() { return ImGui::GetCurrentContext() != nullptr && ImGui
 FlyInput gamepad_input() {
     for (int pad = GLFW_JOYSTICK_1; pad <= GLFW_JOYSTICK_LAST; ++pad) {
         GLFWgamepadstate state;
-        if (glfwJoystickIsGamepad(pad) != GLFW_TRUE || glfwGetGamepadState(pad, &state) != GLFW_TRUE) continue;
+        if (glfwJoystickIsGamepad(pad) != GLFW_TRUE || glfwGetGamepadState(pad, &state) != GLFW_TRUE)
+            continue;
         const auto axis = [&state](int number) { return static_cast<double>(state.axes[number]); };
         return fly_input_of({axis(GLFW_GAMEPAD_AXIS_LEFT_X), axis(GLFW_GAMEPAD_AXIS_LEFT_Y),
                              axis(GLFW_GAMEPAD_AXIS_RIGHT_X), axis(GLFW_GAMEPAD_AXIS_RIGHT_Y),

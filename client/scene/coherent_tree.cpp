@@ -23,8 +23,8 @@ void append_cell(std::vector<CoherentTriangle>& triangles, const CoherentWindow&
     const glm::ivec2 middle = north_west + cell_side / 2;
     const std::array<glm::ivec2, 4> around{north_west + glm::ivec2(cell_side, 0), north_west,
                                            north_west + glm::ivec2(0, cell_side), north_west + cell_side};
-    const auto number = static_cast<uint64_t>((z & (coherent_cells - 1)) * coherent_cells +
-                                              (x & (coherent_cells - 1)));
+    const auto number =
+        static_cast<uint64_t>((z & (coherent_cells - 1)) * coherent_cells + (x & (coherent_cells - 1)));
     for (size_t i = 0; i < 4; ++i)
         triangles.push_back({{around[i], around[(i + 1) % 4], middle}, number * 4 + i, 0});
 }
@@ -96,7 +96,8 @@ std::vector<CoherentTriangle> refined(const std::vector<CoherentTriangle>& base,
             done.push_back(t);
             continue;
         }
-        const std::vector<CoherentTriangle> below = refined(divided(t, pattern), wants_split, most_levels - 1);
+        const std::vector<CoherentTriangle> below =
+            refined(divided(t, pattern), wants_split, most_levels - 1);
         done.insert(done.end(), below.begin(), below.end());
     }
     return done;

@@ -85,12 +85,12 @@ inline float mesh_length2(const MeshEye& eye, glm::ivec2 middle, glm::ivec2 edge
 }
 
 /// Whether the edge between two places is to be split: a pure function of them and the eye, the same from either end, so both
-/// triangles at an edge agree. What stays is shorter than sqrt(2) spacings; `coarser` multiplies the spacing. Twin of
-/// edge_wants_split in shaders/coherent.glsl.
+/// triangles at an edge agree. What stays is shorter than two spacings: hypotenuses, whose legs are then as long as the sides
+/// of the tessellator's quads may be. `coarser` multiplies the spacing. Twin of edge_wants_split in shaders/coherent.glsl.
 inline bool edge_wants_split(const MeshEye& eye, glm::ivec2 a, glm::ivec2 b, float coarser = 1.0F) {
     const glm::ivec2 middle = (a + b) >> 1;
     const float spacing = mesh_spacing_at(eye, middle) * coarser;
-    return mesh_length2(eye, middle, b - a) >= 2.0F * (spacing * spacing);
+    return mesh_length2(eye, middle, b - a) >= 4.0F * (spacing * spacing);
 }
 
 /// Segments of an edge that starts at a place and runs `side` lattice units along x (or z): a power of two, a pure

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <random>
 
 namespace trochoid {
 
@@ -28,6 +27,18 @@ double spectrum_of(glm::dvec2 k, double wind, glm::dvec2 heading) {
                             std::exp(-0.74 * std::pow(gravity / (wind * omega), 4.0));
     const double group_speed = 0.5 * gravity / omega;
     return by_omega * group_speed / length * (2.0 / std::numbers::pi) * along * along;
+}
+
+/// Two normal deviates by Box and Muller from a counter, the same with every standard library.
+glm::dvec2 normal_pair(uint64_t counter) {
+    const auto uniform = [](uint64_t v) {
+        v = (v ^ (v >> 30U)) * 0xbf58476d1ce4e5b9U;
+        v = (v ^ (v >> 27U)) * 0x94d049bb133111ebU;
+        return (static_cast<double>((v ^ (v >> 31U)) >> 11U) + 0.5) * 0x1p-53;
+    };
+    const double radius = std::sqrt(-2 * std::log(uniform(2 * counter * 0x9e3779b97f4a7c15U)));
+    const double angle = 2 * std::numbers::pi * uniform((2 * counter + 1) * 0x9e3779b97f4a7c15U);
+    return {radius * std::cos(angle), radius * std::sin(angle)};
 }
 
 }  // namespace
@@ -79,8 +90,6 @@ void FftSea::make_spectrum() {
     const double tile_m = std::ldexp(1.0, static_cast<int>(settings_.tile_log2) - 10);
     const double dk = 2 * std::numbers::pi / tile_m;
     const double wind = wind_of_height(std::max(static_cast<double>(settings_.significant_height), 1e-3));
-    std::mt19937 dice(settings_.seed);
-    std::normal_distribution<double> normal;
     const auto count = static_cast<size_t>(n) * static_cast<size_t>(n);
     amplitude_.assign(count, Complex(0));
     omega_.assign(count, 0.0);
@@ -91,7 +100,7 @@ void FftSea::make_spectrum() {
             const auto at = static_cast<size_t>(row) * static_cast<size_t>(n) + static_cast<size_t>(column);
             const glm::dvec2 k(dk * (column < n / 2 ? column : column - n),
                                dk * (row < n / 2 ? row : row - n));
-            const glm::dvec2 dice_thrown(normal(dice), normal(dice));
+            const glm::dvec2 dice_thrown = normal_pair((uint64_t{settings_.seed} << 32U) + at + 1);
             omega_[at] = std::sqrt(gravity * std::hypot(k.x, k.y));
             // The highest frequencies have no opposite number; they are left out.
             if (row == n / 2 || column == n / 2) continue;

@@ -8,18 +8,18 @@ namespace trochoid {
 
 /// What the person at the controls asks for during one frame.
 struct FlyInput {
-    double ahead = 0;      ///< -1 to 1: forwards along the line of sight
-    double right = 0;      ///< -1 to 1
-    double up = 0;         ///< -1 to 1: straight up
-    double turn_x = 0;     ///< pixels that the mouse moved while it steers, right positive
-    double turn_y = 0;     ///< down positive
-    double pan_x = 0;      ///< pixels that the mouse dragged the picture, right positive
-    double pan_y = 0;      ///< down positive
-    double rotate_x = 0;   ///< -1 to 1: turns right at this share of the fastest rate
-    double rotate_y = 0;   ///< -1 to 1: turns down
-    double wheel = 0;      ///< steps: each makes the speed a quarter larger or smaller; from above, the height
-    bool fast = false;     ///< five times as fast
-    bool slow = false;     ///< a fifth as fast
+    double ahead = 0;     ///< -1 to 1: forwards along the line of sight
+    double right = 0;     ///< -1 to 1
+    double up = 0;        ///< -1 to 1: straight up
+    double turn_x = 0;    ///< pixels that the mouse moved while it steers, right positive
+    double turn_y = 0;    ///< down positive
+    double pan_x = 0;     ///< pixels that the mouse dragged the picture, right positive
+    double pan_y = 0;     ///< down positive
+    double rotate_x = 0;  ///< -1 to 1: turns right at this share of the fastest rate
+    double rotate_y = 0;  ///< -1 to 1: turns down
+    double wheel = 0;     ///< steps: each makes the speed a quarter larger or smaller; from above, the height
+    bool fast = false;    ///< five times as fast
+    bool slow = false;    ///< a fifth as fast
     bool operator==(const FlyInput&) const = default;
 };
 

@@ -43,7 +43,9 @@ std::array<float, 2> nearest_points(float x, float y, uint32_t cells, uint32_t s
     std::array<float, 2> nearest{9.0F, 9.0F};
     for (int dj = -1; dj <= 1; ++dj)
         for (int di = -1; di <= 1; ++di) {
-            const auto wrapped = [&](int c) { return static_cast<uint32_t>(c + static_cast<int>(cells)) % cells; };
+            const auto wrapped = [&](int c) {
+                return static_cast<uint32_t>(c + static_cast<int>(cells)) % cells;
+            };
             const uint32_t h = mixed(wrapped(i + di), wrapped(j + dj), seed);
             const float px = static_cast<float>(i + di) + even(h);
             const float py = static_cast<float>(j + dj) + even(h * 0x9e3779b9U + 1U);
@@ -60,8 +62,9 @@ std::array<float, 2> nearest_points(float x, float y, uint32_t cells, uint32_t s
 std::vector<float> evened(const std::vector<float>& values) {
     std::vector<uint32_t> order(values.size());
     std::iota(order.begin(), order.end(), 0U);
-    std::sort(order.begin(), order.end(),
-              [&](uint32_t a, uint32_t b) { return values[a] < values[b] || (values[a] == values[b] && a < b); });
+    std::sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) {
+        return values[a] < values[b] || (values[a] == values[b] && a < b);
+    });
     std::vector<float> out(values.size());
     for (size_t i = 0; i < order.size(); ++i)
         out[order[i]] = (static_cast<float>(i) + 0.5F) / static_cast<float>(order.size());
@@ -78,7 +81,9 @@ Level halved(const Level& fine, uint32_t side) {
     for (uint32_t z = 0; z < side / 2; ++z)
         for (uint32_t x = 0; x < side / 2; ++x)
             for (size_t c = 0; c < 4; ++c) {
-                const auto at = [&](uint32_t i, uint32_t j) { return fine[(2 * z + j) * side + 2 * x + i][c]; };
+                const auto at = [&](uint32_t i, uint32_t j) {
+                    return fine[(2 * z + j) * side + 2 * x + i][c];
+                };
                 coarse[z * (side / 2) + x][c] = 0.25F * (at(0, 0) + at(1, 0) + at(0, 1) + at(1, 1));
             }
     return coarse;
@@ -90,8 +95,8 @@ float whitecap_noise(float u, float v, uint32_t seed) {
     float amplitude = 1.0F;
     uint32_t cells = 20;
     for (uint32_t octave = 0; octave < 4; ++octave, cells *= 2, amplitude *= 0.55F)
-        sum += amplitude * cell_noise(u * static_cast<float>(cells), v * static_cast<float>(cells) * 0.6F, cells,
-                                      cells * 3 / 5, seed + octave);
+        sum += amplitude * cell_noise(u * static_cast<float>(cells), v * static_cast<float>(cells) * 0.6F,
+                                      cells, cells * 3 / 5, seed + octave);
     return sum;
 }
 
@@ -110,7 +115,8 @@ float lace_noise(float u, float v, uint32_t seed) {
 /// Long threads along x.
 float streak_noise(float u, float v, uint32_t seed) {
     const float bent = v + 0.02F * cell_noise(u * 5, v * 5, 5, 5, seed + 60);
-    return cell_noise(u * 4, bent * 22, 4, 22, seed + 61) + 0.6F * cell_noise(u * 8, bent * 47, 8, 47, seed + 62) +
+    return cell_noise(u * 4, bent * 22, 4, 22, seed + 61) +
+           0.6F * cell_noise(u * 8, bent * 47, 8, 47, seed + 62) +
            0.35F * cell_noise(u * 24, bent * 96, 24, 96, seed + 63);
 }
 
@@ -120,6 +126,7 @@ FoamDetail make_foam_detail(uint32_t side, uint32_t seed) {
     TROCHOID_ASSERT(std::has_single_bit(side), "side {}", side);
     const size_t count = size_t{side} * side;
     std::vector<float> caps(count);
+    std::vector<float> other_caps(count);
     std::vector<float> lace(count);
     std::vector<float> streaks(count);
     for (uint32_t z = 0; z < side; ++z)
@@ -128,19 +135,20 @@ FoamDetail make_foam_detail(uint32_t side, uint32_t seed) {
             const float v = static_cast<float>(z) / static_cast<float>(side);
             const size_t i = size_t{z} * side + x;
             caps[i] = whitecap_noise(u, v, seed);
+            other_caps[i] = whitecap_noise(u, v, seed + 90);
             lace[i] = lace_noise(u, v, seed);
             streaks[i] = streak_noise(u, v, seed);
         }
     caps = evened(caps);
+    other_caps = evened(other_caps);
     lace = evened(lace);
     streaks = evened(streaks);
     FoamDetail detail;
     detail.side = side;
     Level level(count);
-    for (size_t i = 0; i < count; ++i) {
-        const float normal = as_normal(caps[i]);
-        level[i] = {normal, lace[i], streaks[i], normal * normal};
-    }
+    const auto stored = [](float share) { return std::clamp(0.5F + 0.125F * as_normal(share), 0.0F, 1.0F); };
+    for (size_t i = 0; i < count; ++i)
+        level[i] = {stored(caps[i]), lace[i], streaks[i], stored(other_caps[i])};
     detail.levels.push_back(std::move(level));
     for (uint32_t s = side; s > 1; s /= 2) detail.levels.push_back(halved(detail.levels.back(), s));
     return detail;

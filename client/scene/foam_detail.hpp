@@ -8,9 +8,8 @@ namespace trochoid {
 /// What foam looks like from near and from far, on a tile that repeats seamlessly; purely visual.
 struct FoamDetail {
     uint32_t side = 0;
-    /// One entry a mip level, finest first; each texel is (whitecap noise, normally distributed about 0 with variance 1; lace of
-    /// bubbles, evenly distributed, 0 to 1; streaks, evenly distributed; square of the first, which keeps the variance that averaging
-    /// takes from it).
+    /// One entry a mip level, finest first; each texel, 0 to 1, is (whitecap noise; lace of bubbles, evenly distributed; streaks,
+    /// evenly distributed; another whitecap noise). Whitecap noise is 0.5 + n / 8 of a normally distributed n of variance 1.
     std::vector<std::vector<std::array<float, 4>>> levels;
 };
 

@@ -37,7 +37,7 @@ struct Rung {
     std::string_view name;
     double error_limit;  // factor of the error from which on it is given up
 };
-constexpr std::array<Rung, 11> rungs{{
+constexpr std::array<Rung, 13> rungs{{
     {Sacrifice::samples, "several samples a pixel", 1.3},
     {Sacrifice::displayed_noise, "capillary", 1.5},
     {Sacrifice::spray, "spray", 1.5},
@@ -46,6 +46,8 @@ constexpr std::array<Rung, 11> rungs{{
     {Sacrifice::round, "round", 2.0},
     {Sacrifice::orbits, "orbits", 2.0},
     {Sacrifice::irregular, "irregular", 2.5},
+    {Sacrifice::resolution, "resolution to 0.7", 2.5},
+    {Sacrifice::half_resolution, "resolution to half", 3.0},
     {Sacrifice::wakes, "wakes", 4.0},
     {Sacrifice::refraction, "refraction", 4.0},
     {Sacrifice::shelter, "shelter", 5.0},
@@ -64,7 +66,9 @@ std::optional<Layer> layer_of(Sacrifice what) {
         case Sacrifice::shelter: return Layer::shelter;
         case Sacrifice::samples:
         case Sacrifice::spray:
-        case Sacrifice::foam_history: break;
+        case Sacrifice::foam_history:
+        case Sacrifice::resolution:
+        case Sacrifice::half_resolution: break;
     }
     return std::nullopt;
 }
@@ -75,6 +79,8 @@ bool there(Sacrifice what, const DrawOptions& options) {
         case Sacrifice::samples: return options.samples > 1;
         case Sacrifice::spray: return options.spray;
         case Sacrifice::foam_history: return options.foam_history;
+        case Sacrifice::resolution: return options.render_scale > 0.7F;
+        case Sacrifice::half_resolution: return options.render_scale > 0.5F;
         default: return false;
     }
 }
@@ -84,6 +90,8 @@ void take_away(Sacrifice what, DrawOptions& options) {
     if (what == Sacrifice::samples) options.samples = 1;
     if (what == Sacrifice::spray) options.spray = false;
     if (what == Sacrifice::foam_history) options.foam_history = false;
+    if (what == Sacrifice::resolution) options.render_scale = 0.7F;
+    if (what == Sacrifice::half_resolution) options.render_scale = 0.5F;
 }
 
 double median_of(std::span<const double> values) {
@@ -120,23 +128,29 @@ std::string_view name_of(BudgetVerdict verdict) {
     return "";
 }
 
-std::vector<Sacrifice> sacrifices_of(const DrawOptions& wanted) {
+std::vector<Sacrifice> sacrifices_of(const DrawOptions& wanted, Layers present) {
     std::vector<Sacrifice> list;
-    for (const Rung& rung : rungs)
-        if (there(rung.what, wanted)) list.push_back(rung.what);
+    for (const Rung& rung : rungs) {
+        const auto layer = layer_of(rung.what);
+        if (there(rung.what, wanted) && (!layer || present.has(*layer))) list.push_back(rung.what);
+    }
     return list;
 }
 
 FrameBudget::FrameBudget(double target_ms, uint32_t passed_by)
     : target_ms_(target_ms), passed_by_(passed_by) {
     TROCHOID_ASSERT(target_ms > 0.0, "a target of {} ms", target_ms);
-    take_over(wanted_);
+    take_over(wanted_, present_);
 }
 
-void FrameBudget::take_over(const DrawOptions& wanted) {
+void FrameBudget::take_over(const DrawOptions& wanted, Layers present) {
     wanted_ = wanted;
-    ladder_ = sacrifices_of(wanted);
-    std::erase_if(given_, [&](const Given& g) { return !there(g.what, wanted); });
+    present_ = present;
+    ladder_ = sacrifices_of(wanted, present);
+    // What is given up stays a beginning of the ladder.
+    size_t kept = 0;
+    while (kept < given_.size() && kept < ladder_.size() && given_[kept].what == ladder_[kept]) ++kept;
+    given_.erase(given_.begin() + static_cast<ptrdiff_t>(kept), given_.end());
     loads_.clear();
     to_pass_ = passed_by_;
     gain_ = first_gain;
@@ -144,9 +158,9 @@ void FrameBudget::take_over(const DrawOptions& wanted) {
     before_ms_ = 0.0;
 }
 
-bool FrameBudget::add(double load_ms, const DrawOptions& wanted) {
+bool FrameBudget::add(double load_ms, const DrawOptions& wanted, Layers present) {
     ++pictures_;
-    if (wanted != wanted_) take_over(wanted);
+    if (wanted != wanted_ || present.bits != present_.bits) take_over(wanted, present);
     if (!std::isfinite(load_ms) || load_ms <= 0.0) return false;
     if (to_pass_ > 0) {
         --to_pass_;
@@ -159,8 +173,7 @@ bool FrameBudget::add(double load_ms, const DrawOptions& wanted) {
 
 /// Keeps the window, and only its end where the load has changed within it.
 void FrameBudget::forget_old_loads() {
-    if (loads_.size() > window)
-        loads_.erase(loads_.begin(), loads_.end() - static_cast<ptrdiff_t>(window));
+    if (loads_.size() > window) loads_.erase(loads_.begin(), loads_.end() - static_cast<ptrdiff_t>(window));
     if (loads_.size() < 3 * recent) return;
     const std::span<const double> last = std::span<const double>(loads_).last(recent);
     const double before = median_of(std::span<const double>(loads_).first(loads_.size() - recent));

@@ -18,14 +18,16 @@ enum class Sacrifice : uint8_t {
     round,
     orbits,
     irregular,
+    resolution,       ///< 0.7 of width and height is drawn and enlarged
+    half_resolution,  ///< half of them
     wakes,
     refraction,
     shelter  ///< waves go through land
 };
 std::string_view name_of(Sacrifice sacrifice);
 
-/// What of `wanted` there is to take away, in order.
-std::vector<Sacrifice> sacrifices_of(const DrawOptions& wanted);
+/// What of `wanted` there is to take away, in order. `present`: layers that the sea has; others would save nothing.
+std::vector<Sacrifice> sacrifices_of(const DrawOptions& wanted, Layers present = displayed_layers);
 
 /// What the controller is doing, for people.
 enum class BudgetVerdict : uint8_t {
@@ -41,8 +43,8 @@ std::string_view name_of(BudgetVerdict verdict);
 /// Where the controller stands.
 struct BudgetReport {
     double target_ms = 0;
-    double load_ms = 0;        ///< median since the last change, 0 before the first picture
-    double error_factor = 1;   ///< the mesh's error over the wanted one, 1 to `coarsest_factor`
+    double load_ms = 0;       ///< median since the last change, 0 before the first picture
+    double error_factor = 1;  ///< the mesh's error over the wanted one, 1 to `coarsest_factor`
     std::vector<Sacrifice> given_up;
     size_t left_to_give = 0;
     BudgetVerdict verdict = BudgetVerdict::measuring;
@@ -67,7 +69,7 @@ public:
     explicit FrameBudget(double target_ms, uint32_t passed_by = 5);
 
     /// What a picture with apply(wanted) took. True where apply() now gives something else.
-    bool add(double load_ms, const DrawOptions& wanted);
+    bool add(double load_ms, const DrawOptions& wanted, Layers present = displayed_layers);
 
     /// The wanted options less what has been given up.
     DrawOptions apply(const DrawOptions& wanted) const;
@@ -79,11 +81,11 @@ private:
     /// Something given up, and what that was seen to save.
     struct Given {
         Sacrifice what;
-        double ratio = 1.0;       // time before over time after
-        uint64_t try_after = 0;   // picture number
+        double ratio = 1.0;      // time before over time after
+        uint64_t try_after = 0;  // picture number
     };
 
-    void take_over(const DrawOptions& wanted);
+    void take_over(const DrawOptions& wanted, Layers present);
     void forget_old_loads();
     bool decide();
     bool go_coarser(double deviation);
@@ -98,6 +100,7 @@ private:
     double target_ms_;
     uint32_t passed_by_;
     DrawOptions wanted_;
+    Layers present_ = displayed_layers;
     std::vector<Sacrifice> ladder_;  // what may go, in order
     std::vector<Given> given_;
     double factor_ = 1.0;  // of the error

@@ -14,8 +14,9 @@ struct Preset {
     std::string_view name;   ///< calm, breeze, gale, storm, harbour
     std::string_view scene;  ///< file for `trochoid-server --scene`, relative to the repository's root
     std::string_view shows;  ///< one line for people
-    std::array<double, 5> camera{};  ///< as --camera: metres east, up, south; degrees clockwise from north, upwards
-    double hour = 12;                ///< local solar time
+    std::array<double, 5>
+        camera{};      ///< as --camera: metres east, up, south; degrees clockwise from north, upwards
+    double hour = 12;  ///< local solar time
     Quality quality = Quality::medium;
 };
 

@@ -271,18 +271,6 @@ int SeaTable::list_of(PatchKey key) const {
     return at == list_of_patch_.end() ? 0 : at->second;
 }
 
-glm::vec2 SeaTable::heading_at(LatticePoint p, SeaTime now) const {
-    glm::vec2 sum(0.0F);
-    for (const Box& box : boxes_) {
-        const Envelope e = envelope_at(*box.record, instant_of(*box.record, now), p);
-        const float gain = static_cast<float>(e.gain) * 0x1p-24F;
-        for (size_t i = 0; i < box.constants.size(); ++i)
-            sum +=
-                glm::vec2(box.constants[i].dx, box.constants[i].dz) * (gain * gain * box.slope_variance[i]);
-    }
-    return sum;
-}
-
 WaveBounds SeaTable::bounds_of_list(int list) const {
     const auto at = bounds_.find(list);
     return at == bounds_.end() ? WaveBounds{} : at->second;

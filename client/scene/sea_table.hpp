@@ -55,10 +55,6 @@ public:
     int list_of(PatchKey key) const;
     WaveBounds bounds_of_list(int list) const;
 
-    /// Where the slopes at a place come from: directions of travel (x east, z south), weighted by slope variance. Not a unit
-    /// vector; 0 on still water.
-    glm::vec2 heading_at(LatticePoint p, SeaTime now) const;
-
     /// What the waves at a place say about its wind; Jacobians count the trains longer than `shortest_m`.
     SeaWeather weather_at(LatticePoint p, SeaTime now, float shortest_m) const;
 

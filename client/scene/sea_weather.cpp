@@ -22,8 +22,8 @@ float wind_of(float significant_height_m, float energy_period_s) {
     if (significant_height_m <= 0.0F || energy_period_s <= 0.0F) return 0.0F;
     constexpr float toba = 0.062F;
     const float period = energy_period_s / 0.9F;  // of the significant waves
-    const float friction = significant_height_m * significant_height_m /
-                           (toba * toba * gravity * period * period * period);
+    const float friction =
+        significant_height_m * significant_height_m / (toba * toba * gravity * period * period * period);
     float wind = friction * 28.0F;
     for (int i = 0; i < 6; ++i) wind = friction / std::sqrt((0.8F + 0.065F * std::min(wind, 40.0F)) * 1e-3F);
     return std::min(wind, 50.0F);
@@ -31,7 +31,7 @@ float wind_of(float significant_height_m, float energy_period_s) {
 
 float cox_munk_variance(float wind_m_s) { return 0.003F + 0.00512F * wind_m_s; }
 
-float whitecap_share(float wind_m_s) { return std::min(3.84e-6F * std::pow(wind_m_s, 3.41F), 0.33F); }
+float whitecap_share(float wind_m_s) { return std::min(3.84e-6F * std::pow(wind_m_s, 3.41F), 0.24F); }
 
 float normal_quantile(float share) {
     // Abramowitz and Stegun 26.2.23, to 4.5e-4.
@@ -47,7 +47,8 @@ float scroll_speed(float wind_m_s) {
     constexpr float factor = 4.0F;
     if (wind_m_s <= base_wind) return 0.0F;
     // Over the first metre a second above the base the growth sets in softly.
-    return factor * (std::log(wind_m_s) / std::log(base_wind) - 1.0F) * smooth(0.0F, 1.0F, wind_m_s - base_wind);
+    return factor * (std::log(wind_m_s) / std::log(base_wind) - 1.0F) *
+           smooth(0.0F, 1.0F, wind_m_s - base_wind);
 }
 
 SeaWeather SeaTable::weather_at(LatticePoint p, SeaTime now, float shortest_m) const {

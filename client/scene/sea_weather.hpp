@@ -5,11 +5,12 @@ namespace trochoid {
 
 /// What the waves at a place say about the wind that raised them; purely visual.
 struct SeaWeather {
-    glm::vec2 heading{0};          ///< where slopes travel (x east, z south), weighted by their variance; not a unit vector
-    float wind_m_s = 0;            ///< at 10 m, from height and period of the steepest box
-    float height_m = 0;            ///< significant
-    float slope_variance = 0;      ///< of all trains, both axes together
-    float fold_variance = 0;       ///< of 1 - Jacobian, of the trains longer than a limit
+    glm::vec2 heading{
+        0};  ///< where slopes travel (x east, z south), weighted by their variance; not a unit vector
+    float wind_m_s = 0;        ///< at 10 m, from height and period of the steepest box
+    float height_m = 0;        ///< significant
+    float slope_variance = 0;  ///< of all trains, both axes together
+    float fold_variance = 0;   ///< of 1 - Jacobian, of the trains longer than a limit
     bool operator==(const SeaWeather&) const = default;
 };
 
@@ -21,7 +22,7 @@ float wind_of(float significant_height_m, float energy_period_s);
 /// Variance of the slope of a whole sea under a wind, both axes together, without slicks (Cox and Munk 1954).
 float cox_munk_variance(float wind_m_s);
 
-/// Share of the sea that whitecaps cover (Monahan and O'Muircheartaigh 1980), at most a third.
+/// Share of the sea that whitecaps cover (Monahan and O'Muircheartaigh 1980), at most 0.24: beyond, it is streaks and spray.
 float whitecap_share(float wind_m_s);
 
 /// The z with a share of a normal distribution above it, 1e-6 <= share <= 0.5.

@@ -118,11 +118,11 @@ float haze_phase(float cosine) {
 
 glm::vec3 sun_direction(double hour, double latitude, double declination) {
     const double turn = (hour - 12.0) * pi / 12.0;
-    const double north =
-        std::sin(declination) * std::cos(latitude) - std::cos(declination) * std::sin(latitude) * std::cos(turn);
+    const double north = std::sin(declination) * std::cos(latitude) -
+                         std::cos(declination) * std::sin(latitude) * std::cos(turn);
     const double west = std::cos(declination) * std::sin(turn);
-    const double up =
-        std::sin(declination) * std::sin(latitude) + std::cos(declination) * std::cos(latitude) * std::cos(turn);
+    const double up = std::sin(declination) * std::sin(latitude) +
+                      std::cos(declination) * std::cos(latitude) * std::cos(turn);
     return {static_cast<float>(-west), static_cast<float>(up), static_cast<float>(-north)};
 }
 
@@ -139,11 +139,13 @@ SkyModel::SkyModel(double hour) {
     const Source& source = sun.y > -0.035F ? sources_[0] : sources_[1];
     light_.towards = source.towards;
     // The disc sinks into the horizon over its own width.
-    light_.irradiance = sunlight * source.power * transmittance().at(eye_km, std::max(source.towards.y, 0.0F)) *
+    light_.irradiance = sunlight * source.power *
+                        transmittance().at(eye_km, std::max(source.towards.y, 0.0F)) *
                         smooth(-0.012F, 0.006F, source.towards.y);
     light_.ambient = average_over_sky();
-    const float brightness = luminance(light_.ambient) +
-                             luminance(light_.irradiance) * std::max(light_.towards.y, 0.0F) / static_cast<float>(pi);
+    const float brightness = luminance(light_.ambient) + luminance(light_.irradiance) *
+                                                             std::max(light_.towards.y, 0.0F) /
+                                                             static_cast<float>(pi);
     light_.exposure = 0.92F * std::pow(1.6F / std::max(brightness, 1e-5F), 0.50F);
 }
 
@@ -170,7 +172,8 @@ glm::vec3 SkyModel::scattered(const glm::vec3& d, const Source& source) const {
         const glm::vec3 lit_air = transmittance().at(radius + 16.0F, std::min(sun_cosine + 0.05F, 1.0F));
         const glm::vec3 air = rayleigh * at.air;
         const glm::vec3 haze(mie_scattering * at.haze);
-        const glm::vec3 source_here = arriving * (air * by_air + haze * by_haze) + lit_air * (air + haze) * 0.045F;
+        const glm::vec3 source_here =
+            arriving * (air * by_air + haze * by_haze) + lit_air * (air + haze) * 0.045F;
         // Integral over the step with its own extinction (Hillaire, "Physically Based Sky", 2016).
         const glm::vec3 extinction = glm::max(extinction_of(at), glm::vec3(1e-7F));
         sum += through * source_here * (glm::vec3(1.0F) - step_through) / extinction;
@@ -197,7 +200,8 @@ glm::vec3 SkyModel::average_over_sky() const {
             // Even in the square of the sine: weighted by the cosine as a level plane is.
             const float across = std::sqrt((static_cast<float>(ring) + 0.5F) / rings);
             const float turn = static_cast<float>(2.0 * pi) * (static_cast<float>(sector) + 0.5F) / sectors;
-            sum += radiance({across * std::cos(turn), std::sqrt(1.0F - across * across), across * std::sin(turn)});
+            sum += radiance(
+                {across * std::cos(turn), std::sqrt(1.0F - across * across), across * std::sin(turn)});
         }
     return sum / static_cast<float>(rings * sectors);
 }

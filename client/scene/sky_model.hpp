@@ -8,12 +8,13 @@ namespace trochoid {
 
 /// Light of an hour: colours are linear and relative, the sun's irradiance outside of the air is about 7.
 struct SkyLight {
-    glm::vec3 towards{0, 1, 0};    ///< unit vector to the sun, or to the moon when the sun is well below the horizon
-    glm::vec3 irradiance{0};       ///< of it on a plane across its rays, through the clear air
-    glm::vec3 ambient{0};          ///< irradiance of the clear sky on a level plane, over pi
-    glm::vec3 true_sun{0, 1, 0};   ///< unit vector to the sun, below the horizon at night
-    float exposure = 1;            ///< factor that brings radiances to the tone curve; eyes adapt, but not wholly
-    float night = 0;               ///< 0 by day, 1 where only the moon shines: colours fade
+    glm::vec3 towards{0, 1,
+                      0};  ///< unit vector to the sun, or to the moon when the sun is well below the horizon
+    glm::vec3 irradiance{0};      ///< of it on a plane across its rays, through the clear air
+    glm::vec3 ambient{0};         ///< irradiance of the clear sky on a level plane, over pi
+    glm::vec3 true_sun{0, 1, 0};  ///< unit vector to the sun, below the horizon at night
+    float exposure = 1;  ///< factor that brings radiances to the tone curve; eyes adapt, but not wholly
+    float night = 0;     ///< 0 by day, 1 where only the moon shines: colours fade
     bool operator==(const SkyLight&) const = default;
 };
 

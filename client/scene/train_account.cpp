@@ -16,6 +16,20 @@ const PatchDescriptor* patch_of(const InterestState& state, LatticePoint place) 
 
 }  // namespace
 
+Layers layers_in(const InterestState& state) {
+    Layers layers = Layers{}.with(Layer::trains);
+    if (!state.blocks.empty())
+        layers = layers.with(Layer::shelter).with(Layer::refraction).with(Layer::orbits);
+    for (const auto& [id, box] : state.boxes) {
+        if (has_wake(box->wake)) layers = layers.with(Layer::wakes);
+        if (box->irregular.share != 0) layers = layers.with(Layer::irregular);
+        if (box->roundness != 0) layers = layers.with(Layer::round);
+        if (box->noise.amplitude != 0.0F)
+            layers = layers.with(box->noise.displayed_only ? Layer::displayed_noise : Layer::noise);
+    }
+    return layers;
+}
+
 TrainAccount account_of(const InterestState& state, LatticePoint place, SeaTime now, float spacing_m,
                         Layers layers) {
     TrainAccount account;
@@ -38,7 +52,8 @@ TrainAccount account_of(const InterestState& state, LatticePoint place, SeaTime 
             !overlap(bounds_over(*record, question.from, question.until), question.region))
             continue;
         boxes.push_back(prepare(*record, {}));
-        const double gain = layers.has(Layer::shelter) ? static_cast<double>(record->gain_max) / 32768.0 : 1.0;
+        const double gain =
+            layers.has(Layer::shelter) ? static_cast<double>(record->gain_max) / 32768.0 : 1.0;
         for (const TrainConstants& train : boxes.back()->constants) {
             const float share = displayed_weight(train.wavelength, spacing_m);
             ++account.known;

@@ -1,6 +1,7 @@
 #include "server/world/world_fold.hpp"
 
 #include <algorithm>
+#include <ranges>
 #include <set>
 #include <utility>
 #include <variant>
@@ -31,10 +32,10 @@ std::vector<FieldOverlay> overlays_in_use(const WaveTrainBox& record, const std:
     for (const WaveTrain& train : record.trains) used.insert(train.field);
     std::vector<FieldOverlay> kept;
     // A base's id is below its field's, so from the highest field down all that rests on it is known already.
-    for (auto o = all.rbegin(); o != all.rend(); ++o)
-        if (used.contains(o->field)) {
-            used.insert(o->base);
-            kept.push_back(*o);
+    for (const FieldOverlay& o : std::views::reverse(all))
+        if (used.contains(o.field)) {
+            used.insert(o.base);
+            kept.push_back(o);
         }
     return {kept.rbegin(), kept.rend()};
 }

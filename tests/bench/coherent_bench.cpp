@@ -1,5 +1,6 @@
 // Paper D's coherent tessellation: a pass from the last mesh against tessellation from the base, on a slow flight and right after a
 // cut (bar P8); and its figure 8, time by number of triangles to draw, to animate and to tessellate (row D8).
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <memory>
@@ -57,7 +58,9 @@ public:
         glBindBufferBase(GL_UNIFORM_BUFFER, frame_binding, uniforms_.name());
         buffers_.bind();
     }
-    CoherentWork update(CoherentMesh& mesh) const { return mesh.update({0, 0}, eye_, options.most_triangles); }
+    CoherentWork update(CoherentMesh& mesh) const {
+        return mesh.update({0, 0}, eye_, options.most_triangles);
+    }
     MeshCounts prepare(Mesher& mesher) const {
         return mesher.prepare({state_, table_, frame_, planes_, eye_, options});
     }
@@ -127,7 +130,13 @@ Flight fly(Stage& stage, const DisplayFilter& filter, int frames, const std::fun
     return flight;
 }
 
-void flights(Report& report) {
+/// Worst ratios over the criteria.
+struct Ratios {
+    double slow = 0;
+    double cut = 0;
+};
+Ratios flights(Report& report) {
+    Ratios worst;
     Stage stage(true);
     const int frames = report.quick() ? 10 : 30;
     fmt::print("{:>10} {:>14} {:>10} {:>12} {:>14} {:>7} {:>8} {:>12}\n", "criterion", "flight", "triangles",
@@ -135,24 +144,29 @@ void flights(Report& report) {
     for (const Refinement refinement : {Refinement::distance, Refinement::screen, Refinement::frustum}) {
         stage.options.refinement = refinement;
         const DisplayFilter filter{0.5F, 1.0F / 62.0F};
-        const auto show = [&](const char* name, const Flight& f, double bar) {
+        const auto show = [&](const char* name, const Flight& f, double bar, double& greatest) {
             const double ratio = f.coherent / f.from_base;
             fmt::print("{:>10} {:>14} {:>10} {:>12.2f} {:>14.2f} {:>7.2f} {:>8.1f} {:>12.1f}\n",
-                       name_of(refinement), name, f.triangles, f.coherent * 1e3, f.from_base * 1e3, ratio, f.passes,
-                       f.base_passes);
+                       name_of(refinement), name, f.triangles, f.coherent * 1e3, f.from_base * 1e3, ratio,
+                       f.passes, f.base_passes);
+            greatest = std::max(greatest, ratio);
             report.at_most(fmt::format("{}, by {}", name, name_of(refinement)), ratio, bar, "x");
         };
         // 10 m/s at 60 pictures a second, and as slow a turn.
-        show("slow flight", fly(stage, filter, frames, [](int i) { return camera_at(0.17 * i, 0.02 * i, 20, 0.005 * i); }),
-             1.0);
-        show("each a cut", fly(stage, filter, frames, [](int i) {
-                 return camera_at(i % 2 == 0 ? 0 : 1'500, 700.0 * (i % 3), i % 2 == 0 ? 20 : 60, 2.1 * i);
-             }),
-             1.15);
+        show("slow flight",
+             fly(stage, filter, frames, [](int i) { return camera_at(0.17 * i, 0.02 * i, 20, 0.005 * i); }),
+             1.0, worst.slow);
+        show("each a cut",
+             fly(stage, filter, frames,
+                 [](int i) {
+                     return camera_at(i % 2 == 0 ? 0 : 1'500, 700.0 * (i % 3), i % 2 == 0 ? 20 : 60, 2.1 * i);
+                 }),
+             1.15, worst.cut);
     }
+    return worst;
 }
 
-/// Their figure 8 on a mesh seen whole: the view looks down so that all of it is drawn.
+/// Their figure 8: triangles are tessellated all around, drawn and animated where they are in view.
 void figure_8(Report& report) {
     const RenderTarget target(480, 270, 1);
     target.bind();
@@ -163,14 +177,14 @@ void figure_8(Report& report) {
     nlohmann::json draw = count;
     nlohmann::json animate = count;
     nlohmann::json tessellate = count;
-    fmt::print("\n{:>10} {:>18} {:>24} {:>34}\n", "triangles", "draw, ms", "animate + draw, ms",
-               "tessellate + animate + draw, ms");
+    fmt::print("\n{:>10} {:>10} {:>18} {:>24} {:>34}\n", "triangles", "in view", "draw, ms",
+               "animate + draw, ms", "tessellate + animate + draw, ms");
     const int rounds = report.quick() ? 3 : 7;
     const double most = report.quick() ? 70'000 : 600'000;
     for (double wanted = 4'096; wanted <= most; wanted *= 4) {
         CoherentMesher mesher(MesherUse::picture);
-        // About 4 pi / angle^2 * (1/2 + ln(farthest / nearest)) triangles about the eye, a fifth in view.
-        const auto angle = static_cast<float>(std::sqrt(4 * 3.14159 * 4.5 / wanted));
+        // About 2 pi / angle^2 * (1/2 + ln(farthest / nearest)) triangles about the eye.
+        const auto angle = static_cast<float>(std::sqrt(2 * 3.14159 * 5 / wanted));
         const DisplayFilter filter{0.5F, angle};
         std::vector<double> draws, animations, tessellations;
         uint32_t triangles = 0;
@@ -180,6 +194,9 @@ void figure_8(Report& report) {
             mesher.draw();
         };
         glEnable(GL_DEPTH_TEST);
+        flat.look_from(camera_at(0, 0, 300), filter);
+        flat.prepare(mesher);
+        picture();  // drivers finish their shaders at the first use
         for (int i = 0; i < rounds; ++i) {
             const Camera camera = camera_at(0.17 * i, 0, 300);
             flat.look_from(camera, filter);
@@ -190,8 +207,8 @@ void figure_8(Report& report) {
             mesher.mesh().forget();
             tessellations.push_back(animations.back() + finished([&] { sea.prepare(mesher); }));
         }
-        fmt::print("{:>10} {:>18.2f} {:>24.2f} {:>34.2f}\n", triangles, median(draws) * 1e3,
-                   median(animations) * 1e3, median(tessellations) * 1e3);
+        fmt::print("{:>10} {:>10} {:>18.2f} {:>24.2f} {:>34.2f}\n", triangles, mesher.mesh().visible(),
+                   median(draws) * 1e3, median(animations) * 1e3, median(tessellations) * 1e3);
         count.push_back(triangles);
         draw.push_back(median(draws) * 1e3);
         animate.push_back(median(animations) * 1e3);
@@ -210,13 +227,15 @@ void figure_8(Report& report) {
 void bench(Report& report) {
     const OffscreenContext context;
     fmt::print("{}\n", describe_gl());
+    Ratios worst;
     {
         const RenderTarget target(16, 16, 1);
         target.bind();
-        flights(report);
+        worst = flights(report);
     }
     figure_8(report);
-    report.write("coherent tessellation against re-tessellation: see the table");
+    report.write(fmt::format("{:.2f}x of re-tessellation on a slow flight, {:.2f}x after a cut", worst.slow,
+                             worst.cut));
 }
 
 }  // namespace

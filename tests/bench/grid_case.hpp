@@ -1,6 +1,9 @@
 #pragma once
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
+#include <iterator>
+#include <memory>
 #include <vector>
 
 #include "protocol/model/sea.hpp"
@@ -36,27 +39,40 @@ class GridCase {
 public:
     GridCase(int trains, int32_t n)
         : sea_(open_sea(trains)), instant_(sea_, {123'456'789}), grid_{{-70'000, 30'000}, 1024, 1024, n, n} {
-        for (auto& plane : planes_) plane.resize(grid_.size());
+        constexpr size_t line = 64;
+        const size_t room = (grid_.size() * sizeof(float) + line - 1) / line * line + line;
+        storage_.resize(std::size(planes_) * room + line);
+        void* at = storage_.data();
+        size_t left = storage_.size();
+        for (float*& plane : planes_) {
+            plane = static_cast<float*>(std::align(line, room, at, left));
+            at = static_cast<std::byte*>(at) + room;
+            left -= room;
+        }
     }
+    GridCase(const GridCase&) = delete;
+    GridCase& operator=(const GridCase&) = delete;
     void evaluate(Workers& workers) {
         evaluate_grid(instant_, grid_,
-                      SurfacePlanes{.ax = planes_[0].data(),
-                                    .ay = planes_[1].data(),
-                                    .az = planes_[2].data(),
-                                    .nx = planes_[3].data(),
-                                    .ny = planes_[4].data(),
-                                    .nz = planes_[5].data()},
+                      SurfacePlanes{.ax = planes_[0],
+                                    .ay = planes_[1],
+                                    .az = planes_[2],
+                                    .nx = planes_[3],
+                                    .ny = planes_[4],
+                                    .nz = planes_[5]},
                       workers);
     }
     const SeaInstant& instant() const { return instant_; }
     const LatticeGrid& grid() const { return grid_; }
-    const std::vector<float>& plane(size_t i) const { return planes_[i]; }
+    const float* plane(size_t i) const { return planes_[i]; }
 
 private:
     Sea sea_;
     SeaInstant instant_;
     LatticeGrid grid_;
-    std::vector<float> planes_[6];
+    /// Planes begin on lines of the cache, each on another line of its page: vectors are stored whole.
+    std::vector<std::byte> storage_;
+    float* planes_[6] = {};
 };
 
 }  // namespace trochoid

@@ -29,7 +29,8 @@ def draw_curves(axis, one):
     for curve in one["curves"]:
         # Too many points for marks of their own are drawn as a line alone.
         mark = "o" if len(curve["x"]) <= 30 else ""
-        axis.plot(curve["x"], curve["y"], ("--" if curve.get("dashed") else "-") + mark, markersize=3, label=curve["name"])
+        style = "s" if curve.get("points") else ("--" if curve.get("dashed") else "-") + mark
+        axis.plot(curve["x"], curve["y"], style, markersize=5 if curve.get("points") else 3, label=curve["name"])
     if one.get("log"):
         axis.set_xscale("log")
     if one.get("log") or one.get("log_y"):
@@ -38,7 +39,7 @@ def draw_curves(axis, one):
 
 
 def draw(result, file, fail):
-    """plots: a list of {title, x, y, log (true: both axes), log_y, curves: [{name, x, y, dashed}]}, or of
+    """plots: a list of {title, x, y, log (true: both axes), log_y, curves: [{name, x, y, dashed, points (true: no line)}]}, or of
     {title, x, y, log (true: the values' axis), categories, bars: [{name, values, dashed (true: paler)}]}."""
     plots = result.get("plots")
     if not plots:

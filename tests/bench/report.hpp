@@ -45,6 +45,8 @@ public:
                                    {"bar", std::move(bar)},
                                    {"holds", holds}});
     }
+    /// Words to keep beside the figures, such as the graphics device.
+    void text(const std::string& name, const std::string& words) { json_[name] = words; }
     void figure(const std::string& name, double value) { json_["figures"][name] = value; }
     double kept(const std::string& name) const { return json_.at("figures").at(name).get<double>(); }
     void plot(nlohmann::json one) { json_["plots"].push_back(std::move(one)); }

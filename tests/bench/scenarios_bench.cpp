@@ -207,8 +207,8 @@ void scenario_2(Report& report) {
          {"y", "ms"},
          {"log_y", true},
          {"curves",
-          {{{"name", "paper A, 512^2: all"}, {"x", {7}}, {"y", {232.2}}, {"dashed", true}},
-           {{"name", "paper A, 256^2: none and all"}, {"x", {0, 7}}, {"y", {0.6, 57.7}}, {"dashed", true}},
+          {{{"name", "paper A, 512^2: all"}, {"x", {7}}, {"y", {232.2}}, {"points", true}},
+           {{"name", "paper A, 256^2: none and all"}, {"x", {0, 7}}, {"y", {0.6, 57.7}}, {"points", true}},
            {{"name", "ours, 512^2, one core"}, {"x", visible}, {"y", large}},
            {{"name", "ours, 256^2, one core"}, {"x", visible}, {"y", small}}}}});
 }

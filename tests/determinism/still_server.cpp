@@ -46,9 +46,9 @@ void StillServer::next(std::span<const LiveCommand> script, std::vector<LiveStep
     command.sequence = static_cast<uint32_t>(steps.size() + 1);
     if (live.box_of >= 0) {
         BoxId box = steps[static_cast<size_t>(live.box_of)].reply.box;
-        // Whoever asks knows which box took its place when the land changed.
-        const auto& boxes = authority_.state()->boxes;
-        while (boxes.at(box)->successor.value != 0) box = boxes.at(box)->successor;
+        // Whoever asks knows which box took its place when the land changed; ids ascend.
+        for (const auto& [id, other] : authority_.state()->boxes)
+            if (other->predecessor == box) box = id;
         aim(command, box);
     }
     authority_.command(command, [this, script, &steps](CommandReply reply) {

@@ -85,7 +85,8 @@ int main(int argc, char** argv) {
         if (i < 6) continue;
         ++counted;
         for (const PassTime& pass : report.passes) total[pass.name] += pass.ms;
-        total["wall"] += std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+        total["wall"] +=
+            std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
     }
     for (const auto& [name, ms] : total) fmt::print("{} {:.2f}  ", name, ms / std::max(counted, 1));
     fmt::print("ms; {} triangles, {} trains\n", report.sea_triangles, report.trains);

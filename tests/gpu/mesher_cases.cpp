@@ -35,6 +35,12 @@ Camera standing_at(double x, double z, double altitude, double yaw, double pitch
     return camera;
 }
 
+Camera probing(Camera camera) {
+    camera.width = 1280;
+    camera.height = 720;
+    return camera;
+}
+
 std::vector<NamedView> demanding_views() {
     return {{"eye height", standing_at(10.3, 7.1, 3, 0.7, -0.05)},
             {"in the waves of a storm", standing_at(-777.7, 1'234.5, 2, 2.9, -0.1), true},

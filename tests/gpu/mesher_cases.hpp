@@ -15,6 +15,8 @@ inline constexpr std::array<MesherKind, 4> all_meshers{MesherKind::patches, Mesh
 
 /// A view of 512 x 288 pixels from `altitude` m above still water; angles in radians.
 Camera standing_at(double x, double z, double altitude, double yaw, double pitch);
+/// The same with 1280 x 720 pixels, for finer meshes that nobody draws.
+Camera probing(Camera camera);
 
 /// Views that a mesher of the whole sea has to stand: near the surface and 10 km high, straight down and up, towards all sides, at
 /// the ends of the world.

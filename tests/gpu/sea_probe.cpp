@@ -13,9 +13,9 @@ namespace {
 constexpr FrustumPlanes everything{glm::vec4(0, 0, 0, 1), glm::vec4(0, 0, 0, 1), glm::vec4(0, 0, 0, 1),
                                    glm::vec4(0, 0, 0, 1), glm::vec4(0, 0, 0, 1)};
 
-}  // namespace
-
-Probe probe_sea(const InterestState& state, SeaTime now, const Camera& camera, const DrawOptions& options) {
+/// `planes`: null for those of the camera.
+Probe probe(const InterestState& state, SeaTime now, const Camera& camera, const DrawOptions& options,
+            float error_px, const FrustumPlanes* planes) {
     LandTable land;
     land.rebuild(state, 1U << 27, 1U << 27);
     SeaTable table;
@@ -23,8 +23,9 @@ Probe probe_sea(const InterestState& state, SeaTime now, const Camera& camera, c
     PatchDirectory directory;
     directory.rebuild(state, table);
     const CameraFrame frame = frame_of(camera, DepthRange::classic);
-    const MeshEye eye = mesh_eye(frame, display_filter(view_of(camera, glm::dvec3(0)), 12.0F),
+    const MeshEye eye = mesh_eye(frame, display_filter(view_of(camera, glm::dvec3(0)), error_px),
                                  options.refinement, planes_of(frame, DepthRange::classic), 0.0F);
+    const FrustumPlanes in_view = planes_of(frame, DepthRange::classic);
 
     SeaBuffers buffers;
     buffers.set_land(land);
@@ -43,14 +44,15 @@ Probe probe_sea(const InterestState& state, SeaTime now, const Camera& camera, c
     const RenderTarget target(16, 16, 1);
     target.bind();
     const std::unique_ptr<Mesher> mesher = make_mesher(options.mesher, MesherUse::probe);
-    const MeshCounts counts = mesher->prepare({state, table, frame, everything, eye, options});
+    const MeshCounts counts =
+        mesher->prepare({state, table, frame, planes != nullptr ? *planes : in_view, eye, options});
 
-    Probe probe;
-    probe.anchor = frame.anchor;
+    Probe result;
+    result.anchor = frame.anchor;
     // Edges finer than the inside add to the estimate.
-    probe.vertices.resize(size_t{counts.triangles} * 6 + 65'536);
+    result.vertices.resize(size_t{counts.triangles} * 6 + 65'536);
     GlBuffer captured;
-    captured.fill(GL_TRANSFORM_FEEDBACK_BUFFER, std::span<const ProbedVertex>(probe.vertices),
+    captured.fill(GL_TRANSFORM_FEEDBACK_BUFFER, std::span<const ProbedVertex>(result.vertices),
                   GL_DYNAMIC_READ);
     GLuint query = 0;
     glGenQueries(1, &query);
@@ -66,12 +68,22 @@ Probe probe_sea(const InterestState& state, SeaTime now, const Camera& camera, c
     GLuint triangles = 0;
     glGetQueryObjectuiv(query, GL_QUERY_RESULT, &triangles);
     glDeleteQueries(1, &query);
-    probe.vertices.resize(size_t{triangles} * 3);
+    result.vertices.resize(size_t{triangles} * 3);
     glBindBuffer(GL_TRANSFORM_FEEDBACK_BUFFER, captured.name());
     glGetBufferSubData(GL_TRANSFORM_FEEDBACK_BUFFER, 0,
-                       static_cast<GLsizeiptr>(probe.vertices.size() * sizeof(ProbedVertex)),
-                       probe.vertices.data());
-    return probe;
+                       static_cast<GLsizeiptr>(result.vertices.size() * sizeof(ProbedVertex)),
+                       result.vertices.data());
+    return result;
+}
+
+}  // namespace
+
+Probe probe_sea(const InterestState& state, SeaTime now, const Camera& camera, const DrawOptions& options) {
+    return probe(state, now, camera, options, 12.0F, &everything);
+}
+
+Probe probe_view(const InterestState& state, SeaTime now, const Camera& camera, const DrawOptions& options) {
+    return probe(state, now, camera, options, options.error_px, nullptr);
 }
 
 Probe probe_sea(const InterestState& state, SeaTime now, const Camera& camera, Layers layers) {

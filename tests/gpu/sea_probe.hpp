@@ -26,6 +26,8 @@ struct Probe {
 /// Runs a mesher's shipped shaders over a state without drawing and reads their outputs back (transform feedback).
 /// Covers everything around the camera, whether in view or not. By default nothing fades (`options.authoritative`).
 Probe probe_sea(const InterestState& state, SeaTime now, const Camera& camera, const DrawOptions& options);
+/// The same of what a picture would draw: in view, vertices as far apart as `options.error_px` asks.
+Probe probe_view(const InterestState& state, SeaTime now, const Camera& camera, const DrawOptions& options);
 Probe probe_sea(const InterestState& state, SeaTime now, const Camera& camera,
                 Layers layers = displayed_layers);
 

@@ -12,6 +12,10 @@
 #include "client/gpu/frame_uniforms.hpp"
 #include "client/gpu/offscreen_context.hpp"
 #include "client/gpu/render_target.hpp"
+#include "client/gpu/renderer.hpp"
+#include "protocol/model/sea.hpp"
+#include "tests/gpu/fixture_sea.hpp"
+#include "tests/gpu/sea_probe.hpp"
 
 namespace trochoid {
 namespace {
@@ -44,7 +48,8 @@ bool before(const EdgeEnds& p, const EdgeEnds& q) {
 }
 
 bool on_outline(const EdgeEnds& e) {
-    return (e.a.x == e.b.x && std::abs(e.a.x) == half_side) || (e.a.y == e.b.y && std::abs(e.a.y) == half_side);
+    return (e.a.x == e.b.x && std::abs(e.a.x) == half_side) ||
+           (e.a.y == e.b.y && std::abs(e.a.y) == half_side);
 }
 
 /// Edges that not exactly two triangles share (one on the outline), each once in either direction; and what the areas lack.
@@ -238,8 +243,8 @@ TEST_F(Coherent, slow_flight_by_each_criterion) {
         Viewer viewer({1.0F, 0.045F}, refinement);
         uint32_t passes = 0;
         for (int frame = 0; frame < 50; ++frame) {
-            const CoherentWork work = viewer.look_from(camera_at(9'876'543.0 + 1.7 * frame, -50.0 - 0.9 * frame,
-                                                                 12.0 + 0.1 * frame, 0.02 * frame, -0.15));
+            const CoherentWork work = viewer.look_from(camera_at(
+                9'876'543.0 + 1.7 * frame, -50.0 - 0.9 * frame, 12.0 + 0.1 * frame, 0.02 * frame, -0.15));
             if (frame > 0) {
                 EXPECT_FALSE(work.from_base);
                 passes += work.passes;
@@ -257,9 +262,10 @@ TEST_F(Coherent, jumps_turns_and_back_again) {
         SCOPED_TRACE(name_of(refinement));
         Viewer viewer({0.5F, 0.03F}, refinement);
         for (const Camera& camera :
-             {camera_at(0, 0, 2), camera_at(0, 0, 2, 3.1), camera_at(3, 1, 900, 0, -1.5), camera_at(5'000, 100, 2),
-              camera_at(5'000, 100, 40'000), camera_at(-6'000, 6'000, 30, 1, 0.2), camera_at(-6'000, 6'000, 30, 2, -1.5),
-              camera_at(20'000'000, -9'000'000, 5), camera_at(0, 0, 2)}) {
+             {camera_at(0, 0, 2), camera_at(0, 0, 2, 3.1), camera_at(3, 1, 900, 0, -1.5),
+              camera_at(5'000, 100, 2), camera_at(5'000, 100, 40'000), camera_at(-6'000, 6'000, 30, 1, 0.2),
+              camera_at(-6'000, 6'000, 30, 2, -1.5), camera_at(20'000'000, -9'000'000, 5),
+              camera_at(0, 0, 2)}) {
             viewer.look_from(camera);
             viewer.expect_right();
             if (HasFailure()) return;
@@ -338,7 +344,7 @@ TEST_F(Coherent, every_pattern_refines_and_coarsens) {
 
 /// As deep as P goes: edges of a few lattice units, I and P in two words each.
 TEST_F(Coherent, goes_22_levels_deep_and_back) {
-    Viewer viewer({4.5F / 1024.0F, 0.1F});
+    Viewer viewer({3.2F / 1024.0F, 0.1F});
     viewer.look_from(camera_at(4'321.125, -1'234.5, 0.001));
     viewer.expect_right();
     int deepest = 0;
@@ -364,6 +370,101 @@ TEST_F(Coherent, a_mesh_that_does_not_fit_becomes_coarser) {
     for (int frame = 0; frame < 20; ++frame) viewer.look_from(camera_at(0, 0, 3 + frame), 2'000'000);
     EXPECT_EQ(viewer.mesh.coarser(), 1.0F);
     viewer.expect_right();
+}
+
+/// Bar R2 for this mesher: the shaders' sea at its corners against the CPU's.
+TEST_F(Coherent, the_sea_at_its_corners_is_the_cpus) {
+    FixtureSource source(TerrainGrid{});
+    const Camera camera = camera_at(7'654'321.5, -1'234.5, 6);
+    source.set_view(view_of(camera, glm::dvec3(0)));
+    DrawOptions options;
+    options.mesher = MesherKind::coherent;
+    options.authoritative = true;
+    const SeaTime now{73'500'123};
+    const Probe probe = probe_sea(source.state(), now, camera, options);
+    target_->bind();
+    std::vector<std::shared_ptr<const PreparedBox>> boxes;
+    for (const auto& [id, box] : source.state().boxes) boxes.push_back(prepare(*box, {}));
+    const SeaInstant sea(Sea(std::move(boxes)), now, displayed_layers);
+    EXPECT_GT(probe.vertices.size(), 30'000U);
+    EXPECT_EQ(probe.vertices.size() % 3, 0U);
+    const bool exact = describe_gl().find("llvmpipe") != std::string::npos;
+    size_t moved = 0;
+    for (size_t i = 0; i < probe.vertices.size(); i += 41) {
+        const ProbedVertex& v = probe.vertices[i];
+        const SurfaceSample cpu = sea.evaluate({probe.anchor.x + v.x, probe.anchor.z + v.z});
+        if (cpu.ay != 0.0F) ++moved;
+        const float bound = exact ? 0.0F : 1e-4F;
+        ASSERT_NEAR(cpu.ax, v.shift[0], bound);
+        ASSERT_NEAR(cpu.ay, v.shift[1], bound);
+        ASSERT_NEAR(cpu.az, v.shift[2], bound);
+        ASSERT_NEAR(cpu.nx, v.normal[0], bound);
+        ASSERT_NEAR(cpu.ny, v.normal[1], bound);
+        ASSERT_NEAR(cpu.nz, v.normal[2], bound);
+    }
+    EXPECT_GT(moved, 500U);
+}
+
+Picture picture_of(const Camera& camera, FixtureSource& source, const DrawOptions& options) {
+    ViewState view = view_of(camera, glm::dvec3(0));
+    view.accepted_error_px = options.error_px;
+    source.set_view(view);
+    Renderer renderer;
+    const RenderTarget target(camera.width, camera.height, 1);
+    renderer.draw(target, source.snapshot(), camera, camera, options);
+    return target.read();
+}
+
+Camera small(Camera camera) {
+    camera.width = 320;
+    camera.height = 180;
+    return camera;
+}
+
+/// Nothing of the background shows through the sea, by any criterion and through either mesher that follows it.
+TEST_F(Coherent, no_background_shows_through_by_any_criterion) {
+    const Camera camera = small(camera_at(-777.7, 1'234.5, 45, 2.9, -0.7));
+    for (const MesherKind mesher : {MesherKind::coherent, MesherKind::patches})
+        for (const Refinement refinement : {Refinement::distance, Refinement::screen, Refinement::frustum}) {
+            FixtureSource source(TerrainGrid{});
+            DrawOptions options;
+            options.mesher = mesher;
+            options.refinement = refinement;
+            options.sky = options.far_sea = options.land = options.spray = false;
+            options.clear_colour = {1.0F, 0.0F, 1.0F};
+            const Picture picture = picture_of(camera, source, options);
+            size_t magenta = 0;
+            for (size_t i = 0; i < picture.rgb.size(); i += 3)
+                if (picture.rgb[i] > 250 && picture.rgb[i + 1] < 5 && picture.rgb[i + 2] > 250) ++magenta;
+            EXPECT_EQ(magenta, 0U) << name_of(mesher) << " by " << name_of(refinement);
+        }
+}
+
+/// Row D9: land by the coherent mesh is land as its tiles show it.
+TEST_F(Coherent, land_looks_like_its_tiles) {
+    const TerrainGrid terrain = shipped_terrain();
+    if (terrain.columns == 0) GTEST_SKIP() << "no terrain";
+    FixtureSource source(terrain);
+    const Camera camera = small(camera_at(-900, -2'600, 150, 0.5, -0.26));
+    DrawOptions options;
+    options.spray = false;
+    const Picture none = [&] {
+        DrawOptions without = options;
+        without.land = false;
+        return picture_of(camera, source, without);
+    }();
+    const Picture tiles = picture_of(camera, source, options);
+    options.coherent_land = true;
+    const Picture coherent = picture_of(camera, source, options);
+    const auto difference = [](const Picture& a, const Picture& b) {
+        double sum = 0;
+        for (size_t i = 0; i < a.rgb.size(); ++i) sum += std::abs(int{a.rgb[i]} - int{b.rgb[i]});
+        return sum / static_cast<double>(a.rgb.size());
+    };
+    fmt::print("mean difference {:.2f} of 255, without land {:.2f}\n", difference(tiles, coherent),
+               difference(tiles, none));
+    EXPECT_LT(difference(tiles, coherent), 3.0);
+    EXPECT_GT(difference(tiles, none), 15.0);
 }
 
 }  // namespace

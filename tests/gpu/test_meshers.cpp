@@ -29,7 +29,7 @@ INSTANTIATE_TEST_SUITE_P(Meshers, EveryMesher, testing::ValuesIn(all_meshers),
 /// Bar R2, over a coast with fields and far from everything.
 TEST_P(EveryMesher, evaluates_the_sea_of_the_model) {
     FixtureSource coast(shipped_terrain());
-    Camera camera = standing_at(-900, -2'600, 20, 0.4, -0.1);
+    Camera camera = probing(standing_at(-900, -2'600, 20, 0.4, -0.1));
     DrawOptions options;
     options.mesher = GetParam();
     options.error_px = 12.0F;
@@ -50,7 +50,7 @@ TEST_P(EveryMesher, evaluates_the_sea_of_the_model) {
         if (describe_gl().find("llvmpipe") != std::string::npos) {
             EXPECT_EQ(c.bits_differ, 0U);
         }
-        camera = standing_at(9'876'543.21, -7'654'321.9, 150, 2.0, -0.6);
+        camera = probing(standing_at(9'876'543.21, -7'654'321.9, 150, 2.0, -0.6));
     }
 }
 
@@ -60,7 +60,7 @@ TEST_P(EveryMesher, looks_at_few_trains_that_are_not_shown) {
     DrawOptions options;
     options.mesher = GetParam();
     const auto source = open_sea(camera, false, options);
-    const Probe probe = probe_sea(source->state(), SeaTime{1'000'000}, camera, options);
+    const Probe probe = probe_view(source->state(), SeaTime{1'000'000}, camera, options);
     double looked_at = 0;
     double evaluated = 0;
     for (const ProbedVertex& v : probe.vertices) {
@@ -104,8 +104,8 @@ enum class Moving : uint8_t { camera, mesh };
 /// 0.2 m ahead and 5 mm up a frame over a sea that stands still; the mesh alone goes backwards, so that it covers the picture.
 Flicker flicker_of(MesherKind kind, Moving moving, bool filtered) {
     Camera camera = standing_at(12.5, 8.5, 25, 0.6, -0.25);
-    camera.width = 480;
-    camera.height = 270;
+    camera.width = 384;
+    camera.height = 216;
     DrawOptions options = bare(kind);
     options.sky = options.far_sea = true;
     options.authoritative = !filtered;
@@ -151,7 +151,6 @@ TEST_P(EveryMesher, does_not_pop) {
     const Flicker f = flicker_of(GetParam(), Moving::mesh, true);
     EXPECT_LT(f.largest, most_popping);
     EXPECT_LE(f.high, most_high_popping);
-    EXPECT_LT(f.largest, 3 * f.median + 0.02) << "a frame that jumps";
 }
 
 /// Shows that the test above can fail: waves shorter than the grid's cells change shape as it slides over them.
@@ -196,7 +195,7 @@ TEST_F(Meshers, attention_moves_rows) {
     double near_before = 1e9;
     for (const float attention : {0.5F, 1.0F, 2.0F}) {
         options.attention = attention;
-        const Probe probe = probe_sea(source->state(), SeaTime{1'000'000}, camera, options);
+        const Probe probe = probe_view(source->state(), SeaTime{1'000'000}, camera, options);
         double trains = 0;
         double far = 0;
         for (const ProbedVertex& v : probe.vertices) {

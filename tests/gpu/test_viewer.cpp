@@ -143,7 +143,8 @@ TEST(Viewer, overlay_and_debug_views_draw_over_the_picture) {
     run_viewer(plain, options, [] { return false; });
     const Picture without = read_png(options.picture);
     options.panels = {true, true, false};
-    options.draw.boxes = options.draw.rays = options.draw.patches = options.draw.fields = options.draw.wireframe = true;
+    options.draw.boxes = options.draw.rays = options.draw.patches = options.draw.fields =
+        options.draw.wireframe = true;
     TickingFixture debugged(shipped_terrain());
     run_viewer(debugged, options, [] { return false; });
     const Picture with = read_png(options.picture);

@@ -317,7 +317,7 @@ class BadInput(ProgramTest):
         for box in (99, 2**32 - 1):
             self.refused(1, ("steer", box, *steer[2:]), "602", f"no box {box}", "trochoid-ctl list")
             self.refused(1, ("stop", box), "602", f"no box {box}", "trochoid-ctl list")
-        self.refused(1, steer, "605", "box 1 lies still", "trochoid-ctl list")
+        self.refused(1, steer, "605", "box 1 lies still", "only ships and winds")
 
     def test_land(self):
         mole = along("0,0", "100,0")

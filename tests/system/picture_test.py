@@ -87,6 +87,35 @@ class Content(PictureTest):
         self.assertGreater(blue, red + 30)
 
 
+class SameWater(PictureTest):
+    """Two viewers side by side: one sea time, one sea."""
+
+    def record(self, server, name, *options):
+        folder = self.folder / name
+        self.assert_ends(self.view(server, "--size", "320x180", OVER_AN_ISLAND, "--record", folder, *options), 0, stream="stdout")
+        return folder
+
+    def test_recordings_of_the_same_sea_time_are_the_same_bytes(self):
+        with Server(scene("scilly")) as server:
+            # Beside each other, at different moments of the server's own time.
+            steps = ("--at", server.sea_time_s() + 2, "--fixed-step", 0.5, "--frames", 4)
+            one, other = self.record(server, "one", *steps), self.record(server, "other", *steps)
+        names = [f"frame_{i:06}.png" for i in range(4)]
+        self.assertEqual(sorted(p.name for p in one.iterdir()), names)
+        pictures = [Picture(one / name) for name in names]
+        for name in names:
+            self.assertEqual((one / name).read_bytes(), (other / name).read_bytes(), name)
+        sea = (0.5, 0.75)
+        for a, b in zip(pictures, pictures[1:]):
+            self.assertGreater(self.share(a, sea, lambda at, rgb, b=b: differ(rgb, b.pixel(*at))), 0.02, "the sea stands still")
+
+    def test_a_full_folder_is_refused(self):
+        (self.folder / "mine.txt").write_text("precious")
+        with Server(scene("open-sea")) as server:
+            self.assert_ends(self.view(server, *SMALL, "--frames", 1, "--record", self.folder), 2, "not empty")
+        self.assertEqual([p.name for p in self.folder.iterdir()], ["mine.txt"])
+
+
 class Trouble(PictureTest):
     def test_nobody_there(self):
         with Server(scene("open-sea")) as server:
@@ -113,10 +142,26 @@ class Trouble(PictureTest):
             time.sleep(1.5)
             server.process.send_signal(signal.SIGKILL)
             server.process.wait()
-            out, err = self.finish(viewer)
+            out, err = viewer.communicate(timeout=PATIENCE_S)
+        # What was written shows the sea as it was known, and the status says that it was not to the end.
+        self.assertEqual(viewer.returncode, 1, err)
         self.assertIn("server gone", out + err)
+        self.assertIn("before the end", err)
         red, _, blue = Picture(path).mean(0.7, 1.0)
         self.assertGreater(blue, red + 30, "the picture did not go on")
+
+    def test_server_gone_for_longer_than_patience(self):
+        with Server(scene("open-sea")) as server:
+            viewer = subprocess.Popen([BIN / "trochoid-viewer", "--connect", server.address, "--offscreen", *SMALL, "--seconds", "600",
+                                       "--patience", "3"], stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+            deadline = time.monotonic() + PATIENCE_S
+            while "computes the same sea" not in server.log() and time.monotonic() < deadline:
+                time.sleep(0.05)
+            server.process.send_signal(signal.SIGKILL)
+            server.process.wait()
+            _, err = viewer.communicate(timeout=PATIENCE_S)
+        self.assertEqual(viewer.returncode, 1, err)
+        self.assertIn("did not come back within --patience", err)
 
     def test_bad_options(self):
         self.assert_ends(run("trochoid-viewer", "--frobnicate"), 2, "--frobnicate")
@@ -124,7 +169,10 @@ class Trouble(PictureTest):
         self.assert_ends(run("trochoid-viewer", "--offscreen", "--size", "0x7"), 2, "--size")
         with Server(scene("open-sea")) as server:
             self.assert_ends(self.view(server, *SMALL, "--seconds", 0.5, "--picture", "/nowhere/a.png"), 2, "/nowhere")
+        self.assert_ends(run("trochoid-viewer", "--mesher", "knitting"), 2, "patches, uniform, projected and coherent")
+        self.assert_ends(run("trochoid-viewer", "--offscreen", "--preset", "doldrums"), 2, "calm, breeze, gale, storm, harbour")
         self.assert_ends(run("trochoid-viewer", "--help"), 0, "Usage", stream="stdout")
+        self.assert_ends(run("trochoid-viewer", "--list-presets"), 0, "gale\t", stream="stdout")
 
 
 if __name__ == "__main__":

@@ -29,7 +29,8 @@ vec3 through_water(vec2 rest, float height, float depth, vec3 view, vec3 normal,
     }
     float below = max(way * fall, 0.0);
     vec4 marks = textureLod(foam_detail, seen / 173.0, distance * picture.x > 0.3 ? 4.0 : 1.0);
-    vec3 bed = mix(sand_below * (0.82 + 0.36 * marks.y), weed_below, smoothstep(0.6, 2.2, marks.x) * smoothstep(1.0, 3.0, below));
+    float weed = smoothstep(0.58, 0.78, marks.x) * smoothstep(1.0, 3.0, below);
+    vec3 bed = mix(sand_below * (0.82 + 0.36 * marks.y), weed_below, weed);
     float focus = distance < 160.0 && below < 7.0 && below > 0.05 ? mix(1.0, caustics(seen, below), min(below, 1.0)) : 1.0;
     // Sunlight comes down steeper than it fell in.
     float down = sqrt(1.0 - 0.556 * (1.0 - sun.y * sun.y));

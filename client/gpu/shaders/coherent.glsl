@@ -116,7 +116,7 @@ bool edge_wants_split(ivec2 a, ivec2 b, inout bool clear) {
     ivec2 middle = mesh_origin + ((a + b) >> 1);
     precise float length2 = mesh_length2(middle, b - a);
     precise float wanted = mesh_spacing(middle) * coarser;
-    precise float limit = 2.0 * (wanted * wanted);
+    precise float limit = 4.0 * (wanted * wanted);
     clear = clear && length2 >= limit * surely;
     return length2 >= limit;
 }

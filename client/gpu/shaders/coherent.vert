@@ -6,13 +6,6 @@
 #include "coherent_corner.glsl"
 
 void main() {
-#ifndef TROCHOID_PROBE
-    // What is not seen costs no sum.
-    if (out_of_view(0.0)) {
-        leave_out();
-        return;
-    }
-#endif
     ivec2 place = corner_place();
     emit_surface(place, list_at(place), shown_spacing(place) * coarser, 0);
 }

@@ -23,11 +23,13 @@ void main() {
     displace(list_at(place), place, texel_m);
     vec3 normal = sea_normal();
     float exposed = clamp(total_variance / max(sea_state.x, 1e-5), 0.0, 1.0);
-    float score = (1.0 - normal.y) / sea_state.w;
-    float breaking = smoothstep(passing.y - 0.10, passing.y + 0.45, score) * smoothstep(0.2, 0.8, exposed);
-
     vec2 at = vec2(place) * lattice_unit;
     vec2 p = vec2(dot(at, ripple_axes.xy), dot(at, vec2(-ripple_axes.y, ripple_axes.x)));
+    // No crest breaks all along.
+    float torn = textureLod(foam_detail, p / 102.4, 0.0).x - 0.5;
+    float score = (1.0 - normal.y) / sea_state.w + 6.0 * torn;
+    float breaking = smoothstep(1.25 * passing.y - 0.10, 1.25 * passing.y + 0.55, score) * smoothstep(0.2, 0.8, exposed);
+
     // Streaks down wind, where the water draws together: foam lives longer there.
     float streak = textureLod(foam_detail, p / 204.8, 1.0).z;
     ivec2 off = abs(index - (window_before.xy >> window.z));
@@ -39,11 +41,11 @@ void main() {
         before.x = textureLod(foam_map, uv, 0.0).x;
     }
     float windy = smoothstep(9.0, 22.0, passing.w);
-    float life = mix(3.2, 5.5, windy) * mix(0.55, 1.7, streak * streak);
+    float life = mix(2.8, 5.0, windy) * mix(0.35, 1.8, streak * streak);
     float kept = before.x * exp(-passing.x / life);
     map.r = min(max(kept, breaking), 1.0);
     map.gba = vec3(min(before.y + passing.x, 60.0), before.zw);
-    if (breaking > 0.55 && map.g > spray_life) {
+    if (breaking > 0.30 && map.g > spray_life) {
         // The crest broke some time during the step.
         map.gba = vec3(0.0, sum_a.y, fract(score * 57.31 + p.x * 0.137));
     }

@@ -1,8 +1,9 @@
 // Where the surface is white. Needs ripples.glsl.
 uniform sampler2D foam_map;     // r: foam that crests have left behind (foam.frag)
-uniform sampler2D foam_detail;  // whitecap noise, lace, streaks, square of the first (foam_detail.hpp)
+uniform sampler2D foam_detail;  // whitecap noise, lace, streaks, whitecap noise (foam_detail.hpp)
 
 const float cap_tile = 1024.0 / 10.0;       // m
+const float wide_tile = 1024.0 / 3.0;        // m
 const float lace_tile = 1024.0 / 205.0;     // m
 const float tangle_tile = 1024.0 / 45.0;    // m
 
@@ -11,33 +12,35 @@ vec2 along_wind(vec2 rest) {
     return vec2(dot(rest, ripple_axes.xy), dot(rest, vec2(-ripple_axes.y, ripple_axes.x)));
 }
 
-/// Whitecap noise, normally distributed, and the variance that is left of it at this level.
-vec2 whitecap_noise(vec2 p, float level) {
-    vec4 texel = textureLod(foam_detail, p / cap_tile, level);
-    return vec2(texel.x, clamp(texel.x * texel.x + 1.0 - texel.w, 0.0, 1.0));
-}
-
-/// Share that whitecaps cover where the Jacobian is known but for `unknown` of its variance: noise stands in for the rest, so
-/// that everywhere, near or far, the mean over the sea is the wind's.
-float whitecaps(float jacobian, float unknown, vec2 p, float pixel) {
-    if (sea_state.z > 3.9) return 0.0;
+/// Share that whitecaps cover (x) and thin streaks that a storm draws down wind (y). The Jacobian is known but for
+/// `unknown` of its variance: noise stands in for the rest, so that everywhere, near or far, the mean over the sea is the wind's.
+vec2 whitecaps(float jacobian, float unknown, vec2 p, float pixel) {
+    if (sea_state.z > 3.9) return vec2(0.0);
+    float known = (1.0 - jacobian) / sea_state.w;
+    float by_noise = unknown + 0.30;
+    // The quantile moves with the spread that noise adds to the distribution.
+    float limit = sea_state.z * sqrt(1.0 + 0.30 + 0.05);
+    float storm = smoothstep(13.0, 26.0, wind.z);
+    if (storm <= 0.0 && known + 3.0 * sqrt(by_noise) < limit) return vec2(0.0);
     float level = max(pixel - log2(cap_tile / 256.0), 0.0);
     // Two patterns that travel with the waves and take turns: caps come and go.
-    float turn = fract(picture.z / 8.0);
-    float first = cos(6.2831853 * turn);
-    vec2 drift = vec2(2.2 * wind.z * 0.1 * picture.z, 0.0);
-    vec2 a = whitecap_noise(p - drift, level);
-    vec2 b = whitecap_noise(p * vec2(1.0, -1.0) - drift + vec2(71.0, 33.0), level);
-    float blend = 0.5 - 0.5 * first;
-    float noise = a.x * sqrt(1.0 - blend) + b.x * sqrt(blend);
+    float blend = 0.5 - 0.5 * cos(0.7853982 * picture.z);
+    vec4 texel = textureLod(foam_detail, (p - vec2(0.22 * wind.z * picture.z, 0.0)) / cap_tile, level);
+    float noise = (texel.x - 0.5) * 8.0 * sqrt(1.0 - blend) + (texel.w - 0.5) * 8.0 * sqrt(blend);
+    // From the air many tiles are seen at once: a second, larger one at another angle takes the repetition away.
+    float high = 0.75 * smoothstep(-3.0, -0.5, pixel);
+    if (high > 0.0) {
+        vec2 q = vec2(dot(p, vec2(0.8, 0.6)), dot(p, vec2(-0.6, 0.8))) / wide_tile;
+        vec2 other = textureLod(foam_detail, q, max(pixel - log2(wide_tile / 256.0), 0.0)).xz;
+        noise = noise * sqrt(1.0 - high * high) + (other.x - 0.5) * 8.0 * high;
+        storm *= mix(1.0, 2.0 * other.y, high);
+    }
     // Where the caps are smaller than a few pixels, the share that they cover on average.
     float small = smoothstep(1.5, 4.5, level);
-    float by_noise = unknown + 0.30;
-    float score = (1.0 - jacobian) / sea_state.w + sqrt(by_noise) * noise * (1.0 - small);
+    float score = known + sqrt(by_noise) * noise * (1.0 - small);
     float spread = sqrt(0.05 + small * by_noise);
-    // The mean over all that is not known: the quantile moves with the spread that was added to the distribution.
-    float limit = sea_state.z * sqrt(1.0 + 0.30 + 0.05);
-    return 1.0 / (1.0 + exp(clamp(-1.7 * (score - limit) / spread, -30.0, 30.0)));
+    float streaks = storm * mix(0.55 * smoothstep(0.66, 0.98, texel.z), 0.10, small);
+    return vec2(1.0 / (1.0 + exp(clamp(-1.7 * (score - limit) / spread, -30.0, 30.0))), streaks);
 }
 
 /// Foam of some density becomes a net with holes, then threads, before it is gone.
@@ -47,10 +50,10 @@ float laced(float density, vec2 p, float pixel) {
     float near = 1.0 - smoothstep(1.5, 4.5, level);
     float fine = near > 0.0 ? textureLod(foam_detail, p / lace_tile, max(level, 0.0)).y : 0.5;
     float middle = pixel - log2(tangle_tile / 256.0);
-    vec4 tangle = textureLod(foam_detail, p.yx / tangle_tile, max(middle, 0.0));
+    vec4 tangle = textureLod(foam_detail, p / tangle_tile, max(middle, 0.0));
     // A net up close, tufts and threads farther off.
     float lace = 0.42 * tangle.y + 0.25 * tangle.z + mix(0.165, 0.33 * fine, near);
-    float solid = smoothstep(0.0, 0.42, 1.35 * density - 0.78 + lace) * min(1.0, 0.25 + 1.15 * density);
+    float solid = smoothstep(0.0, 0.42, 1.3 * density - 0.84 + lace) * min(1.0, 0.2 + 0.9 * density + 0.35 * lace * density);
     return mix(solid, density, smoothstep(2.5, 5.5, middle));
 }
 

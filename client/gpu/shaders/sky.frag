@@ -22,6 +22,8 @@ void main() {
         float towards = max(dot(d, sun.xyz), 0.0);
         // 0.6 degrees across would be true; a little larger reads as the disc through thin haze.
         float disc = smoothstep(0.99988, 0.99996, towards);
+        float t8 = pow(towards, 900.0);
+        sky += sun_light.rgb * (0.10 * t8 + 0.9 * pow(t8, 14.0)) * (1.0 - overcast.w) * (1.0 - cloud.a);
         sky += sun_light.rgb * disc * mix(4.0, 2.4, sky_ambient.w) * (1.0 - overcast.w);
         if (sky_ambient.w > 0.3) sky += vec3(0.0011) * stars(d) * (sky_ambient.w - 0.3) * max(d.y * 3.0, 0.0);
         sky = sky * (1.0 - cloud.a) + cloud.rgb;

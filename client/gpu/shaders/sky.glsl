@@ -15,7 +15,10 @@ vec3 reflected_sky(vec3 d, float level) { return textureLod(sky_cube, vec3(d.x, 
 /// What the air between adds.
 vec3 hazed(vec3 colour, vec3 position) {
     float distance = length(position);
-    float through = exp(-distance * picture.y);
+    float thick = distance * picture.y;
+    // Less than a step of the screen's 8 bits.
+    if (thick < 0.004) return colour;
+    float through = exp(-thick);
     vec3 d = position / max(distance, 1e-3);
     return mix(sky_without_clouds(normalize(vec3(d.x, 0.004, d.z))), colour, through);
 }

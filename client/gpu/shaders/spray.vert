@@ -7,7 +7,7 @@ out vec4 puff;       // opacity, a chance; age as a share of its life; 0
 out vec3 from_eye;   // m
 
 const float life = 2.0;
-const int droplets = 3;
+const int droplets = 4;
 
 void main() {
     int side = int(spray.x);
@@ -30,18 +30,18 @@ void main() {
     ivec2 index = first + ((texel - first) & (side - 1));
     vec2 at = (vec2(index) + vec2(chance, other)) * texel_m;
     vec2 across = vec2(-wind.y, wind.x);
-    float thrown = 1.0 + 2.6 * other * windy;
+    float thrown = 1.2 + 3.4 * other * windy;
     float way = wind.z * (0.40 + 0.35 * chance) * age;
     at += wind.xy * way + across * ((other - 0.5) * 1.6 * age);
-    float height = born.b - 0.2 + thrown * age - 1.9 * age * age;
+    float height = born.b + 0.1 + thrown * age - 1.9 * age * age;
     vec2 camera = (vec2(camera_cell.xy) + camera_eye.xy) * lattice_unit;
     from_eye = curved(vec3(at.x - camera.x, height - camera_eye.z, at.y - camera.y));
     float distance = length(from_eye);
-    float size = (0.35 + 1.1 * age) * (0.6 + 0.8 * chance);
+    float size = (0.4 + 1.4 * age) * (0.6 + 0.8 * chance);
     float pixels = size / (distance * picture.x);
     gl_PointSize = clamp(pixels, 1.0, 0.16 * spray.y);
     float grown = age / life;
-    float opacity = windy * 0.30 * (1.0 - grown) * (1.0 - grown) * smoothstep(0.0, 0.08, grown) * (0.4 + 0.6 * other);
+    float opacity = windy * 0.55 * (1.0 - grown) * (1.0 - grown) * smoothstep(0.0, 0.08, grown) * (0.4 + 0.6 * other);
     // Nothing flies into the lens.
     opacity *= min(pixels * pixels, 1.0) * smoothstep(2.0, 9.0, distance) * (1.0 - smoothstep(90.0, 130.0, distance));
     puff = vec4(opacity, chance, grown, 0.0);

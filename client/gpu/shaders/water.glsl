@@ -60,9 +60,9 @@ float whiteness(float jacobian, float depth, vec3 waves, vec2 rest, Ripples ripp
     vec2 history = remembered_foam(rest);
     float unknown = clamp(waves.y / max(waves.z, 1e-6), 0.0, 1.0);
     float exposed = clamp(waves.z / max(sea_state.x, 1e-5), 0.0, 1.0);
-    float caps = whitecaps(jacobian, unknown, p, pixel) * smoothstep(0.2, 0.8, exposed);
+    vec2 caps = whitecaps(jacobian, unknown, p, pixel) * smoothstep(0.2, 0.8, exposed);
     // Where the map remembers, what breaks just now is the smaller part of the foam.
-    float density = max(caps * (1.0 - 0.5 * history.y), history.x);
+    float density = max(max(caps.x * (1.0 - 0.5 * history.y), history.x), caps.y);
     float white = laced(density, p, pixel);
     float at_shore = surf(depth, sqrt(max(waves.z, 0.0)) * 4.0, rest, ripples, pixel);
     return clamp(white + laced(at_shore, rest, pixel), 0.0, 1.0);
@@ -94,8 +94,13 @@ vec4 water_colour(vec3 position, vec3 mesh_normal, vec2 rest, vec3 interpolated)
     vec3 below = through_water(rest, waves.x, depth, view, normal, deep_light(view, normal, crest), distance);
     vec3 colour = mix(below, reflected, reflectance);
     colour += sun_light.rgb * (0.5 * glitter(view, slope, sigma2));
-    float white = whiteness(mesh_normal.y, depth, waves, rest, ripples, pixel);
-    vec3 foam_light = foam_colour * (sky_ambient.rgb * 0.95 + sun_light.rgb * (0.30 * max(dot(normal, sun.xyz), 0.0)));
+    // A crest seen edge on is thinner than a pixel: its white would break into dashes.
+    float edge = smoothstep(-0.02, 0.07, dot(normalize(mesh_normal), view));
+    float white = whiteness(mesh_normal.y, depth, waves, rest, ripples, pixel) * edge;
+    // Thick foam is a rough body of its own: it shades by the waves and by its lumps.
+    vec3 lumps = normalize(vec3(-1.6 * slope.x, 1.0, -1.6 * slope.y));
+    vec3 foam_light = foam_colour * (sky_ambient.rgb * (0.55 + 0.45 * lumps.y * lumps.y) * (0.80 + 0.30 * ripples.height) +
+                                     sun_light.rgb * (0.30 * max(dot(lumps, sun.xyz), 0.0)));
     colour = mix(colour, foam_light, white * 0.92);
     // No land is drawn beyond the raster, so nothing but water may show there.
     float cover = bed.y > 0.5 ? 1.0 : clamp(depth * 3.0, 0.0, 1.0);

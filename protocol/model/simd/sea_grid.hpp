@@ -19,7 +19,8 @@ struct LatticeGrid {
 };
 
 /// Where a grid's values go: one plane of nx * nz floats for each value of SurfaceSample that is wanted, null for the others.
-/// What is not wanted is not computed: only ax, ay, az cost least; the derivatives and the normal more; velocities most.
+/// What is not wanted is not computed: only ax, ay, az cost least; the derivatives and the normal more; velocities most. Planes that begin
+/// at multiples of 64 bytes are written fastest.
 struct SurfacePlanes {
     float* ax = nullptr;
     float* ay = nullptr;

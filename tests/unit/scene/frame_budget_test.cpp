@@ -17,16 +17,17 @@ using Machine = std::function<double(const DrawOptions&)>;
 /// Time goes with vertices times what each costs, and with pixels times their samples.
 struct Model {
     double fixed_ms = 2;
-    double vertex_ms = 30;    // at an error of 6 px with all layers
-    double elasticity = 2;    // of the vertices' time in 1 / error
-    double sample_ms = 4;     // a sample
+    double vertex_ms = 30;      // at an error of 6 px with all layers
+    double elasticity = 2;      // of the vertices' time in 1 / error
+    double sample_ms = 4;       // a sample, at full resolution
     double layer_share = 0.08;  // of the vertices' time, each layer but the trains
     double operator()(const DrawOptions& o) const {
         double vertices = vertex_ms * std::pow(6.0 / static_cast<double>(o.error_px), elasticity);
+        const double pixels = sample_ms * static_cast<double>(o.render_scale * o.render_scale);
         double layers = 1.0;
         for (int bit = 1; bit <= 8; ++bit)
             if ((o.layers.bits & (1 << bit)) == 0) layers -= layer_share;
-        return fixed_ms + vertices * layers + sample_ms * o.samples + (o.spray ? 0.5 : 0.0);
+        return fixed_ms + vertices * layers + pixels * o.samples + (o.spray ? 0.5 : 0.0);
     }
 };
 
@@ -84,6 +85,7 @@ TEST_P(Reach, comes_within_a_tenth_and_stays) {
     DrawOptions least = wanted_options();
     least.error_px *= static_cast<float>(FrameBudget::coarsest_factor);
     least.samples = 1;
+    least.render_scale = 0.5F;
     least.spray = least.foam_history = false;
     least.layers = Layers{}.with(Layer::trains);
     const double target = all * share;
@@ -206,6 +208,22 @@ TEST(FrameBudget, takes_over_what_the_person_wants) {
     // Times that are none are passed by.
     EXPECT_FALSE(run.budget.add(std::nan(""), run.wanted));
     EXPECT_FALSE(run.budget.add(0.0, run.wanted));
+}
+
+TEST(FrameBudget, does_not_give_up_what_the_sea_has_not) {
+    const Layers present = Layers{}.with(Layer::trains).with(Layer::noise);
+    FrameBudget budget(1);
+    const DrawOptions wanted = wanted_options();
+    for (int i = 0; i < 600; ++i) budget.add(20, wanted, present);
+    EXPECT_EQ(budget.report().verdict, BudgetVerdict::exhausted);
+    const std::vector<Sacrifice> expected{Sacrifice::samples,      Sacrifice::spray,
+                                          Sacrifice::foam_history, Sacrifice::noise,
+                                          Sacrifice::resolution,   Sacrifice::half_resolution};
+    EXPECT_EQ(budget.report().given_up, expected);
+    // Ships have come: their wakes go in their turn.
+    for (int i = 0; i < 600; ++i) budget.add(20, wanted, present.with(Layer::wakes));
+    EXPECT_EQ(budget.report().given_up.back(), Sacrifice::wakes);
+    EXPECT_EQ(budget.report().given_up.size(), expected.size() + 1);
 }
 
 TEST(FrameBudget, names_everything) {

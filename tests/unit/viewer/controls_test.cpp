@@ -20,7 +20,8 @@ TEST(Keys, ask_for_what_the_help_says) {
     EXPECT_EQ(key_press_of(GLFW_KEY_F8, GLFW_PRESS, 0)->action, Action::timers);
     EXPECT_EQ(key_press_of(GLFW_KEY_F11, GLFW_PRESS, 0)->action, Action::full_screen);
     EXPECT_EQ(key_press_of(GLFW_KEY_F12, GLFW_PRESS, 0)->action, Action::help);
-    EXPECT_EQ(key_press_of(GLFW_KEY_H, GLFW_PRESS, GLFW_MOD_SHIFT)->action, Action::help) << "one may fly fast meanwhile";
+    EXPECT_EQ(key_press_of(GLFW_KEY_H, GLFW_PRESS, GLFW_MOD_SHIFT)->action, Action::help)
+        << "one may fly fast meanwhile";
     EXPECT_EQ(key_press_of(GLFW_KEY_ENTER, GLFW_PRESS, GLFW_MOD_ALT)->action, Action::full_screen);
     EXPECT_FALSE(key_press_of(GLFW_KEY_ENTER, GLFW_PRESS, 0));
     EXPECT_FALSE(key_press_of(GLFW_KEY_M, GLFW_PRESS, GLFW_MOD_ALT));
@@ -50,7 +51,8 @@ TEST(Keys, are_each_bound_once_and_shown) {
             EXPECT_FALSE(b.about.empty());
         }
         // What flies cannot do anything else.
-        for (const int flying : {GLFW_KEY_W, GLFW_KEY_A, GLFW_KEY_S, GLFW_KEY_D, GLFW_KEY_Q, GLFW_KEY_E}) EXPECT_NE(b.key, flying);
+        for (const int flying : {GLFW_KEY_W, GLFW_KEY_A, GLFW_KEY_S, GLFW_KEY_D, GLFW_KEY_Q, GLFW_KEY_E})
+            EXPECT_NE(b.key, flying);
     }
     for (int action = 0; action <= static_cast<int>(Action::layer); ++action) {
         EXPECT_TRUE(shown.contains(static_cast<Action>(action))) << "no key shown for action " << action;
@@ -60,7 +62,8 @@ TEST(Keys, are_each_bound_once_and_shown) {
 
 TEST(Gamepad, at_rest_does_nothing) {
     EXPECT_EQ(fly_input_of({}), FlyInput{});
-    EXPECT_EQ(fly_input_of({0.08, -0.08, 0.05, 0.11, -0.98, -1.0, false}), FlyInput{}) << "sticks rest near 0";
+    EXPECT_EQ(fly_input_of({0.08, -0.08, 0.05, 0.11, -0.98, -1.0, false}), FlyInput{})
+        << "sticks rest near 0";
     EXPECT_EQ(fly_input_of({std::nan(""), 0, 0, 0, -1, -1, false}), FlyInput{});
 }
 

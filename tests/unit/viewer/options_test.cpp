@@ -9,8 +9,8 @@ namespace trochoid {
 namespace {
 
 TEST(ViewerOptions, read_places_sizes_and_debug_views) {
-    const auto options =
-        parsed({"--camera=100.5,30,-2000,180,-5", "--size=640x360", "--debug=boxes,rays", "--quality=low", "--offscreen"});
+    const auto options = parsed({"--camera=100.5,30,-2000,180,-5", "--size=640x360", "--debug=boxes,rays",
+                                 "--quality=low", "--offscreen"});
     ASSERT_TRUE(options);
     EXPECT_EQ(options->camera.position, (LatticePoint{to_lattice(100.5), to_lattice(-2'000)}));
     EXPECT_DOUBLE_EQ(options->camera.altitude_m, 30);
@@ -26,10 +26,41 @@ TEST(ViewerOptions, read_places_sizes_and_debug_views) {
 }
 
 TEST(ViewerOptions, choose_every_method) {
-    const auto o = parsed({"--mesher", "projected", "--displacement", "fft", "--far", "texture", "--refine", "screen", "--grid",
-                           "64x0.5", "--projected", "100x160", "--attention", "2", "--most-triangles", "5000", "--coherent-land",
-                           "--hour", "7:30", "--error-px", "3", "--samples", "2", "--no-spray", "--no-foam-history", "--no-ships",
-                           "--no-land", "--no-sky", "--no-far-sea", "--birds-eye", "--freeze", "--at", "-5", "--fixed-step", "0.5"});
+    const auto o = parsed({"--mesher",
+                           "projected",
+                           "--displacement",
+                           "fft",
+                           "--far",
+                           "texture",
+                           "--refine",
+                           "screen",
+                           "--grid",
+                           "64x0.5",
+                           "--projected",
+                           "100x160",
+                           "--attention",
+                           "2",
+                           "--most-triangles",
+                           "5000",
+                           "--coherent-land",
+                           "--hour",
+                           "7:30",
+                           "--error-px",
+                           "3",
+                           "--samples",
+                           "2",
+                           "--no-spray",
+                           "--no-foam-history",
+                           "--no-ships",
+                           "--no-land",
+                           "--no-sky",
+                           "--no-far-sea",
+                           "--birds-eye",
+                           "--freeze",
+                           "--at",
+                           "-5",
+                           "--fixed-step",
+                           "0.5"});
     const DrawOptions& d = o->draw;
     EXPECT_EQ(d.mesher, MesherKind::projected);
     EXPECT_EQ(d.displacement, Displacement::fft);
@@ -60,7 +91,8 @@ TEST(ViewerOptions, presets_come_first_and_words_win) {
         EXPECT_DOUBLE_EQ(options->draw.hour, preset.hour);
         EXPECT_EQ(options->quality, preset.quality);
         EXPECT_NEAR(options->camera.altitude_m, preset.camera[1], 1e-9);
-        const auto own = parsed({"--preset", std::string(preset.name), "--hour", "3", "--quality", "high", "--camera", "1,2,3,4,5"});
+        const auto own = parsed({"--preset", std::string(preset.name), "--hour", "3", "--quality", "high",
+                                 "--camera", "1,2,3,4,5"});
         EXPECT_DOUBLE_EQ(own->draw.hour, 3);
         EXPECT_EQ(own->quality, Quality::high);
         EXPECT_EQ(own->draw.samples, options_for(Quality::high).samples);
@@ -104,19 +136,45 @@ std::string refusal(const std::vector<std::string>& words) {
 }
 
 TEST(ViewerOptions, refuse_what_makes_no_sense) {
-    for (const char* word :
-         {"--camera=1,2,3", "--camera=1e300,2,3,0,0", "--camera=0,2,0,nan,0", "--size=0x0", "--size=640x360x2", "--debug=everything",
-          "--quality=best", "--layers=waves", "--seconds=-1", "--second-picture=x.png", "--unheard-of", "--grid=1x2", "--grid=64x0",
-          "--grid=64", "--grid=64xnan", "--projected=1x1", "--attention=9", "--hour=25", "--hour=noon", "--hour=12:75", "--hour=-1",
-          "--frames=-3", "--fixed-step=-1", "--at=inf", "--target-ms=0", "--samples=0", "--error-px=0", "--most-triangles=1",
-          "--text-scale=-1", "--preset=doldrums"})
+    for (const char* word : {"--camera=1,2,3",
+                             "--camera=1e300,2,3,0,0",
+                             "--camera=0,2,0,nan,0",
+                             "--size=0x0",
+                             "--size=640x360x2",
+                             "--debug=everything",
+                             "--quality=best",
+                             "--layers=waves",
+                             "--seconds=-1",
+                             "--second-picture=x.png",
+                             "--unheard-of",
+                             "--grid=1x2",
+                             "--grid=64x0",
+                             "--grid=64",
+                             "--grid=64xnan",
+                             "--projected=1x1",
+                             "--attention=9",
+                             "--hour=25",
+                             "--hour=noon",
+                             "--hour=12:75",
+                             "--hour=-1",
+                             "--frames=-3",
+                             "--fixed-step=-1",
+                             "--at=inf",
+                             "--target-ms=0",
+                             "--samples=0",
+                             "--scale=2",
+                             "--error-px=0",
+                             "--most-triangles=1",
+                             "--text-scale=-1",
+                             "--preset=doldrums"})
         EXPECT_FALSE(refusal({word}).empty()) << word;
     EXPECT_FALSE(refusal({"--target-ms=10", "--target-fps=10"}).empty());
     EXPECT_FALSE(refusal({"--offscreen", "--full-screen"}).empty());
 }
 
 TEST(ViewerOptions, say_what_there_is_where_a_name_is_not) {
-    EXPECT_NE(refusal({"--mesher=triangles"}).find("patches, uniform, projected and coherent"), std::string::npos);
+    EXPECT_NE(refusal({"--mesher=triangles"}).find("patches, uniform, projected and coherent"),
+              std::string::npos);
     EXPECT_NE(refusal({"--displacement=waves"}).find("trains, noise and fft"), std::string::npos);
     EXPECT_NE(refusal({"--far=away"}).find("combined, spectrum and texture"), std::string::npos);
     EXPECT_NE(refusal({"--refine=oil"}).find("distance, screen and frustum"), std::string::npos);

@@ -108,7 +108,8 @@ private:
 };
 
 TEST_F(Recordings, hand_ffmpeg_every_byte_and_the_size) {
-    const FakeFfmpeg fake(folder, "echo \"$@\" > " + (folder / "words").string() + "; cat > " + (folder / "bytes").string());
+    const FakeFfmpeg fake(
+        folder, "echo \"$@\" > " + (folder / "words").string() + "; cat > " + (folder / "bytes").string());
     Recording recording((folder / "it's here.mkv").string(), 25, true);
     for (int i = 0; i < 4; ++i) recording.add(picture, 0);
     recording.finish();

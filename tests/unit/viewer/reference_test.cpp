@@ -23,20 +23,23 @@ std::string reference() { return text_of("client/app/viewer-reference.md"); }
 
 std::set<std::string> found(const std::string& text, const std::regex& pattern) {
     std::set<std::string> all;
-    for (std::sregex_iterator it(text.begin(), text.end(), pattern), end; it != end; ++it) all.insert((*it)[1].str());
+    for (std::sregex_iterator it(text.begin(), text.end(), pattern), end; it != end; ++it)
+        all.insert((*it)[1].str());
     return all;
 }
 
 TEST(Reference, has_the_options_of_the_help_and_no_others) {
     // In the help an option begins its line; in the reference it begins a row of a table, or stands by itself.
-    const std::set<std::string> helped = found(viewer_help(), std::regex("(?:^|\\n)  (?:-[a-z],)?(--[a-z-]+)"));
+    const std::set<std::string> helped =
+        found(viewer_help(), std::regex("(?:^|\\n)  (?:-[a-z],)?(--[a-z-]+)"));
     const std::set<std::string> told = found(reference(), std::regex("\\n(?:\\| )?`(--[a-z-]+)"));
     ASSERT_GT(helped.size(), 40U);
     for (const std::string& option : helped) {
         if (option == "--help" || option == "--version") continue;
         EXPECT_TRUE(told.contains(option)) << option << " is in --help, not in viewer-reference.md";
     }
-    for (const std::string& option : told) EXPECT_TRUE(helped.contains(option)) << option << " is in viewer-reference.md only";
+    for (const std::string& option : told)
+        EXPECT_TRUE(helped.contains(option)) << option << " is in viewer-reference.md only";
 }
 
 TEST(Reference, has_every_key) {
@@ -46,13 +49,15 @@ TEST(Reference, has_every_key) {
         if (binding.shown.empty()) continue;
         const std::string row = "| `" + std::string(binding.shown) + "` |";
         EXPECT_NE(text.find(row), std::string::npos) << "viewer-reference.md has no row " << row;
-        EXPECT_NE(help.find(std::string(binding.about)), std::string::npos) << "--help has no " << binding.about;
+        EXPECT_NE(help.find(std::string(binding.about)), std::string::npos)
+            << "--help has no " << binding.about;
     }
 }
 
 TEST(Reference, has_every_setting) {
     const std::string text = reference();
-    for (const char* key : {"width", "height", "full_screen", "numbers", "quality", "mesher", "far", "refine", "target_ms"})
+    for (const char* key :
+         {"width", "height", "full_screen", "numbers", "quality", "mesher", "far", "refine", "target_ms"})
         EXPECT_NE(text.find("`" + std::string(key) + "`"), std::string::npos) << key;
 }
 

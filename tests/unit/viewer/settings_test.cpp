@@ -46,7 +46,8 @@ TEST_F(Settings, come_back_as_they_were) {
     EXPECT_EQ(kept.complaint, "");
     save_settings(file, ViewerSettings{});
     EXPECT_EQ(load_settings(file).values, ViewerSettings{}) << "a second time, over the first";
-    EXPECT_EQ(std::distance(fs::directory_iterator(file.parent_path()), {}), 1) << "nothing is left beside it";
+    EXPECT_EQ(std::distance(fs::directory_iterator(file.parent_path()), {}), 1)
+        << "nothing is left beside it";
 }
 
 TEST_F(Settings, none_is_no_complaint) {
@@ -66,13 +67,15 @@ TEST_F(Settings, a_broken_file_is_told_with_its_line_and_stays) {
 }
 
 TEST_F(Settings, a_value_that_makes_no_sense_leaves_the_others) {
-    write("width = 900\nheight = 3\nmesher = \"knitting\"\nquality = 7\ntarget_ms = -2\nfull_screen = \"yes\"\nnumbers = true\n");
+    write(
+        "width = 900\nheight = 3\nmesher = \"knitting\"\nquality = 7\ntarget_ms = -2\nfull_screen = \"yes\"\nnumbers = true\n");
     const KeptSettings kept = load_settings(file);
     EXPECT_EQ(kept.values.width, 900U);
     EXPECT_EQ(kept.values.height, ViewerSettings{}.height);
     EXPECT_EQ(kept.values.mesher, MesherKind::patches);
     EXPECT_TRUE(kept.values.numbers);
-    for (const char* key : {"height", "mesher", "quality", "target_ms", "full_screen", "patches, uniform, projected or coherent"})
+    for (const char* key : {"height", "mesher", "quality", "target_ms", "full_screen",
+                            "patches, uniform, projected or coherent"})
         EXPECT_NE(kept.complaint.find(key), std::string::npos) << key;
 }
 

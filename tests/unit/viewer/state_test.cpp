@@ -94,7 +94,8 @@ TEST(ViewerState, holds_a_target_and_tells_the_server_in_steps) {
         state.took(2 + 30 * 36 / (error * error));
         told.insert(state.error_for_server());
         drawn.insert(state.in_force().error_px);
-        EXPECT_LE(state.error_for_server(), state.in_force().error_px * 1.001F) << "never less than what is drawn needs";
+        EXPECT_LE(state.error_for_server(), state.in_force().error_px * 1.001F)
+            << "never less than what is drawn needs";
     }
     EXPECT_GT(drawn.size(), 2U);
     EXPECT_LE(told.size(), 6U);

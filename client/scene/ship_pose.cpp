@@ -1,0 +1,206 @@
+#include "client/scene/ship_pose.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+
+#include "protocol/model/simd/water_batch.hpp"
+
+namespace trochoid {
+
+namespace {
+
+constexpr double gravity = 9.80665;  // m/s²
+constexpr double slowest_planing_ratio = 0.999;
+/// A ship that does not plane: length of the usual one up to a speed, m/s and m.
+struct UsualLength {
+    double below;
+    double length;
+};
+constexpr std::array<UsualLength, 4> usual_lengths{{{3.0, 12.0}, {7.0, 40.0}, {13.0, 110.0}, {1e9, 220.0}}};
+
+/// Points of the waterline's area at which the water is read: along and across, odd, even spacing.
+constexpr int stations = 17;
+constexpr int rows = 3;
+/// Slope that no hull takes over from the water: she would swamp.
+constexpr double steepest = 0.35;
+
+bool sails(const WaveTrainBox& box, SeaTime now) {
+    return has_wake(box.wake) && !box.course.empty() && box.begin <= now && now < box.end;
+}
+
+LatticePoint ship_at(const WaveTrainBox& box, SeaTime t) {
+    const LatticePoint corner = corner_at(box.course, t);
+    const int64_t u = box.length;
+    const int64_t v = box.width / 2;
+    return {corner.x + ((u * box.ux - v * box.uz) >> 30), corner.z + ((u * box.uz + v * box.ux) >> 30)};
+}
+
+glm::dvec2 heading_of(const WaveTrainBox& box) {
+    const auto east = static_cast<double>(box.ux);
+    const auto south = static_cast<double>(box.uz);
+    const double length = std::sqrt(east * east + south * south);
+    return {east / length, south / length};
+}
+
+/// The box of the same ship's course before this one, if it is known: it ends where and when this one begins.
+const WaveTrainBox* course_before(const InterestState& state, const WaveTrainBox& box) {
+    constexpr int64_t near = 4 * lattice_per_metre;
+    const LatticePoint start = ship_at(box, box.begin);
+    for (const auto& [id, other] : state.boxes) {
+        if (!has_wake(other->wake) || other->course.empty() || other->end != box.begin || id == box.id)
+            continue;
+        const LatticePoint last = ship_at(*other, other->end);
+        if (std::abs(last.x - start.x) <= near && std::abs(last.z - start.z) <= near) return other.get();
+    }
+    return nullptr;
+}
+
+/// Turns from one heading to another, the shorter way round.
+glm::dvec2 between(glm::dvec2 from, glm::dvec2 to, double share) {
+    const double turn = std::atan2(from.x * to.y - from.y * to.x, from.x * to.x + from.y * to.y);
+    const double angle = turn * (share - 1.0);
+    const double c = std::cos(angle);
+    const double s = std::sin(angle);
+    return {to.x * c - to.y * s, to.x * s + to.y * c};
+}
+
+Ship ship_of(const InterestState& state, const WaveTrainBox& box, SeaTime now) {
+    Ship ship;
+    ship.box = box.id;
+    ship.place = ship_at(box, now);
+    ship.heading = heading_of(box);
+    ship.speed = static_cast<double>(wake_speed(box.wake));
+    const HullSize size = hull_size(box.wake);
+    ship.length = size.length;
+    ship.beam = size.beam;
+    // She turns within two lengths of hers.
+    const double turning_s = std::clamp(2.0 * ship.length / ship.speed, 3.0, 40.0);
+    const double t = static_cast<double>(now - box.begin) * 1e-6 / turning_s;
+    if (t < 1.0)
+        if (const WaveTrainBox* before = course_before(state, box))
+            ship.heading = between(heading_of(*before), ship.heading, t * t * (3.0 - 2.0 * t));
+    return ship;
+}
+
+double square(double x) { return x * x; }
+
+double distance_m(const Camera& camera, LatticePoint p) {
+    return std::sqrt(square(to_metres(p.x - camera.position.x)) + square(to_metres(p.z - camera.position.z)) +
+                     square(camera.altitude_m));
+}
+
+}  // namespace
+
+HullSize hull_size(const ShipWake& wake) {
+    const auto speed = static_cast<double>(wake_speed(wake));
+    const auto diverging = static_cast<double>(wake.diverging);
+    const double ratio =
+        static_cast<double>(wake.transverse) / std::max(diverging, 0x1p-20);  // min(1, 1/(2F))^4
+    HullSize size;
+    double froude = 0.5;
+    if (ratio < slowest_planing_ratio) {
+        froude = 0.5 / std::sqrt(std::sqrt(std::max(ratio, 1e-4)));
+        size.length = square(speed) / (gravity * square(froude));
+    } else {
+        const auto usual = std::find_if(usual_lengths.begin(), usual_lengths.end(),
+                                        [&](const UsualLength& u) { return speed < u.below; });
+        size.length = std::max(usual->length, square(speed) / (gravity * square(0.5)));
+        froude = speed / std::sqrt(gravity * size.length);
+    }
+    size.length = std::clamp(size.length, 3.0, 450.0);
+    const double beam = 4.0 * diverging / square(std::min(froude, 0.5));
+    size.beam = std::clamp(beam, size.length / 10.0, size.length / 3.0);
+    return size;
+}
+
+std::vector<Ship> ships_of(const InterestState& state, SeaTime now) {
+    std::vector<Ship> ships;
+    for (const auto& [id, box] : state.boxes)
+        if (sails(*box, now)) ships.push_back(ship_of(state, *box, now));
+    return ships;
+}
+
+ShipPose pose_of(const Ship& ship, const SeaInstant& water) {
+    constexpr int count = stations * rows;
+    std::array<LatticePoint, count> places;
+    std::array<double, count> along{};
+    std::array<double, count> across{};
+    for (int i = 0; i < count; ++i) {
+        const auto n = static_cast<size_t>(i);
+        // The bow's and the stern's ends carry little.
+        along[n] = (i / rows - stations / 2) * ship.length * 0.92 / (stations - 1);
+        across[n] = (i % rows - rows / 2) * ship.beam * 0.35;
+        const double east = along[n] * ship.heading.x - across[n] * ship.heading.y;
+        const double south = along[n] * ship.heading.y + across[n] * ship.heading.x;
+        places[n] = {ship.place.x + to_lattice(east), ship.place.z + to_lattice(south)};
+    }
+    std::array<WaterPoint, count> heights;
+    Workers one_core(1);
+    water_at_batch(water, places, heights, one_core);
+    double weights = 0, mean = 0, along2 = 0, across2 = 0, lengthwise = 0, sideways = 0;
+    for (size_t n = 0; n < count; ++n) {
+        // Breadth of the waterline.
+        const double weight = 1.0 - square(square(2.0 * along[n] / ship.length));
+        const double height = weight * static_cast<double>(heights[n].height);
+        weights += weight;
+        mean += height;
+        lengthwise += height * along[n];
+        along2 += weight * square(along[n]);
+        sideways += height * across[n];
+        across2 += weight * square(across[n]);
+    }
+    return {mean / weights, std::clamp(lengthwise / along2, -steepest, steepest),
+            std::clamp(sideways / across2, -steepest, steepest)};
+}
+
+void ShipWaters::take_over(const std::shared_ptr<const InterestState>& state) {
+    state_ = state;
+    boxes_.clear();
+    any_wake_ = std::any_of(state->boxes.begin(), state->boxes.end(),
+                            [](const auto& entry) { return has_wake(entry.second->wake); });
+    if (!any_wake_) return;
+    std::map<FieldId, std::shared_ptr<LandField>> fields;
+    for (const auto& [key, block] : state->blocks) {
+        std::shared_ptr<LandField>& field = fields[key.field];
+        if (!field) field = std::make_shared<LandField>(key.field, block.step_log2);
+        if (field->fits(key.block)) field->set(block.block);
+    }
+    std::vector<std::shared_ptr<const LandField>> list;
+    list.reserve(fields.size());
+    for (const auto& [id, field] : fields) list.push_back(field);
+    for (const auto& [id, record] : state->boxes) boxes_.push_back(prepare(*record, list));
+}
+
+SeaInstant ShipWaters::water_without(BoxId own, SeaTime now) const {
+    std::vector<std::shared_ptr<const PreparedBox>> others;
+    others.reserve(boxes_.size());
+    std::copy_if(boxes_.begin(), boxes_.end(), std::back_inserter(others),
+                 [&](const auto& box) { return box->record.id != own; });
+    return SeaInstant(Sea(std::move(others)), now);
+}
+
+std::vector<FloatingShip> ShipWaters::ships(const SceneInput& input, const Camera& camera) {
+    if (!input.state) return {};
+    if (input.state != state_) take_over(input.state);
+    if (!any_wake_) return {};
+    std::vector<Ship> seen = ships_of(*state_, input.now);
+    const double half_pixel = 0.5 * static_cast<double>(radians_per_pixel(camera));
+    std::erase_if(seen, [&](const Ship& ship) {
+        return ship.length < half_pixel * distance_m(camera, ship.place) ||
+               std::max(std::abs(ship.place.x - camera.position.x),
+                        std::abs(ship.place.z - camera.position.z)) > anchor_reach / 2;
+    });
+    std::stable_sort(seen.begin(), seen.end(), [&](const Ship& a, const Ship& b) {
+        return distance_m(camera, a.place) < distance_m(camera, b.place);
+    });
+    if (seen.size() > most_ships) seen.resize(most_ships);
+    std::vector<FloatingShip> floating;
+    floating.reserve(seen.size());
+    for (const Ship& ship : seen)
+        floating.push_back({ship, pose_of(ship, water_without(ship.box, input.now))});
+    return floating;
+}
+
+}  // namespace trochoid
