@@ -9,7 +9,7 @@
 #include <array>
 #include <cerrno>
 #include <csignal>
-#include <cstring>
+#include <system_error>
 #include <utility>
 #include <vector>
 
@@ -80,9 +80,10 @@ void VideoPipe::start(uint32_t width, uint32_t height) {
     std::array<int, 2> ends{-1, -1};
     if (pipe2(ends.data(), O_CLOEXEC) != 0)
         throw OperatorError(fmt::format("Cannot make a pipe to ffmpeg: {}. Record to a folder instead.",
-                                        std::strerror(errno)));
+                                        std::generic_category().message(errno)));
     std::vector<std::string> words = command_of(file_, rate_, width, height);
     std::vector<char*> arguments;
+    arguments.reserve(words.size() + 1);
     for (std::string& word : words) arguments.push_back(word.data());
     arguments.push_back(nullptr);
     pid_t process = -1;
@@ -101,7 +102,7 @@ void VideoPipe::start(uint32_t width, uint32_t height) {
                       "install ffmpeg). Or name a folder, which gets the pictures as PNG files.",
                       file_)
                 : fmt::format("--record {}: ffmpeg cannot be started: {}. Record to a folder instead.", file_,
-                              std::strerror(failure)));
+                              std::generic_category().message(failure)));
     }
     input_ = ends[1];
     process_ = process;

@@ -16,7 +16,7 @@ namespace trochoid {
 namespace {
 
 std::string variable(const char* name) {
-    const char* value = std::getenv(name);
+    const char* value = std::getenv(name);  // NOLINT(concurrency-mt-unsafe): before any thread starts
     return value != nullptr ? value : "";
 }
 

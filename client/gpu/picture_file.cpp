@@ -5,8 +5,8 @@
 
 #include <cerrno>
 #include <cstdio>
-#include <cstring>
 #include <memory>
+#include <system_error>
 
 #include "protocol/units/operator_error.hpp"
 
@@ -18,10 +18,10 @@ struct FileCloser {
     void operator()(std::FILE* file) const { std::fclose(file); }
 };
 
-[[noreturn]] void refuse(const std::string& path, const char* why) {
+[[noreturn]] void refuse(const std::string& path, int why) {
     throw OperatorError(fmt::format(
         "Cannot write the picture {}: {}. Name a file in a folder that you may write to and that has room.",
-        path, why));
+        path, std::generic_category().message(why)));
 }
 
 }  // namespace
@@ -47,13 +47,13 @@ void write_png(const std::string& path, const Picture& picture) {
 
 void write_picture_file(const std::string& path, const std::vector<uint8_t>& bytes) {
     std::unique_ptr<std::FILE, FileCloser> file(std::fopen(path.c_str(), "wb"));
-    if (!file) refuse(path, std::strerror(errno));
+    if (!file) refuse(path, errno);
     // A full disk shows when the bytes are written, or only when the file is closed.
     const bool written = std::fwrite(bytes.data(), 1, bytes.size(), file.get()) == bytes.size();
     const int why = errno;
     const bool closed = std::fclose(file.release()) == 0;
-    if (!written) refuse(path, std::strerror(why));
-    if (!closed) refuse(path, std::strerror(errno));
+    if (!written) refuse(path, why);
+    if (!closed) refuse(path, errno);
 }
 
 }  // namespace trochoid

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "client/gpu/graphics_error.hpp"
 
@@ -23,8 +24,8 @@ uint32_t limit_of(GLenum name) {
 }
 
 uint32_t scaled(uint32_t length, float scale) {
-    return std::max(static_cast<uint32_t>(static_cast<float>(length) * std::clamp(scale, 0.0F, 1.0F) + 0.5F),
-                    1U);
+    const long pixels = std::lround(static_cast<float>(length) * std::clamp(scale, 0.0F, 1.0F));
+    return static_cast<uint32_t>(std::max(pixels, 1L));
 }
 
 }  // namespace

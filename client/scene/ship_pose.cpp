@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <utility>
 
 #include "protocol/model/simd/water_batch.hpp"
 
@@ -129,9 +130,11 @@ ShipPose pose_of(const Ship& ship, const SeaInstant& water) {
     std::array<double, count> across{};
     for (int i = 0; i < count; ++i) {
         const auto n = static_cast<size_t>(i);
+        const int station = i / rows - stations / 2;
+        const int row = i % rows - rows / 2;
         // The bow's and the stern's ends carry little.
-        along[n] = (i / rows - stations / 2) * ship.length * 0.92 / (stations - 1);
-        across[n] = (i % rows - rows / 2) * ship.beam * 0.35;
+        along[n] = station * ship.length * 0.92 / (stations - 1);
+        across[n] = row * ship.beam * 0.35;
         const double east = along[n] * ship.heading.x - across[n] * ship.heading.y;
         const double south = along[n] * ship.heading.y + across[n] * ship.heading.x;
         places[n] = {ship.place.x + to_lattice(east), ship.place.z + to_lattice(south)};
@@ -192,8 +195,8 @@ std::vector<FloatingShip> ShipWaters::ships(const SceneInput& input, const Camer
                std::max(std::abs(ship.place.x - camera.position.x),
                         std::abs(ship.place.z - camera.position.z)) > anchor_reach / 2;
     });
-    std::stable_sort(seen.begin(), seen.end(), [&](const Ship& a, const Ship& b) {
-        return distance_m(camera, a.place) < distance_m(camera, b.place);
+    std::sort(seen.begin(), seen.end(), [&](const Ship& a, const Ship& b) {
+        return std::pair(distance_m(camera, a.place), a.box) < std::pair(distance_m(camera, b.place), b.box);
     });
     if (seen.size() > most_ships) seen.resize(most_ships);
     std::vector<FloatingShip> floating;

@@ -10,7 +10,7 @@ namespace trochoid::bench {
 /// Median of some pictures, each until the GPU had done it.
 struct FrameCost {
     double ms = 0;       ///< by the wall clock
-    double core_ms = 0;  ///< of all the program's threads, ms of a core
+    double core_ms = 0;  ///< of all the program's threads, ms of a core; the least of the pictures
     FrameReport report;  ///< of the last picture; its passes are medians
     double fps() const { return 1e3 / ms; }
     /// What parts of pictures are compared by: the threads' time where the processor draws, which other programs disturb little,

@@ -43,7 +43,7 @@ void table_2(Report& report) {
              {Displacement::noise, Displacement::fft, Displacement::trains}) {
             options.displacement = displacement;
             const FrameCost cost =
-                stage.measure(scene_of(sea, camera, options), camera, options, report.quick() ? 3 : 7);
+                stage.measure(scene_of(sea, camera, options), camera, options, report.quick() ? 3 : 4, 1);
             const size_t at = displacement == Displacement::noise ? 0
                               : displacement == Displacement::fft ? 1
                                                                   : 2;
@@ -88,7 +88,7 @@ void table_3(Report& report) {
         options.displacement = displacement;
         const auto source = sea_of_60_trains(TerrainGrid{});
         const FrameCost cost = stage.measure(scene_of(*source, camera, options), camera, options,
-                                             report.quick() ? 2 : 7, 3, 0.17);
+                                             report.quick() ? 2 : 4, 2, 0.17);
         fmt::print("{:<12} {:<14} {:>10} {:>10.2f} {:>8.1f}\n", "coherent", name_of(displacement),
                    cost.report.sea_triangles, cost.ms, cost.fps());
         report.figure(fmt::format("D: coherent, {}, fps", name_of(displacement)), cost.fps());

@@ -1,7 +1,7 @@
 // Row A10: what a wave train box costs by the share of it that is in view. The camera turns away from a box of 256 trains; each
 // line is a mesher, the turn in degrees, the visible share, trains evaluated (all vertices of all triangles together) over those
 // with the whole box in view, milliseconds with and without the box, the difference over that with the whole box in view, triangles:
-// clipping_cost [meshers=patches,uniform,projected,coherent] [steps=16] [repeats=7] [cells=512]
+// clipping_cost [meshers=patches,uniform,projected,coherent] [steps=16] [repeats=7] [cells=512] [refinement=distance]
 // The picture is small and the mesh as fine as for one ten times as wide: vertices cost, not pixels.
 #include <fmt/format.h>
 
@@ -132,7 +132,8 @@ int main(int argc, char** argv) {
     std::map<std::string, std::string> values{{"meshers", "patches,uniform,projected,coherent"},
                                               {"steps", "16"},
                                               {"repeats", "7"},
-                                              {"cells", "512"}};
+                                              {"cells", "512"},
+                                              {"refinement", "distance"}};
     for (int i = 1; i < argc; ++i) {
         const std::string text = argv[i];
         const size_t sign = text.find('=');
@@ -151,6 +152,7 @@ int main(int argc, char** argv) {
     options.error_px = 0.3F;
     options.grid_cells = static_cast<uint32_t>(std::atoi(values["cells"].c_str()));
     options.grid_spacing_m = 2.0F;
+    options.refinement = refinement_named(values["refinement"]).value_or(Refinement::distance);
     fmt::print("mesher,degrees,visible_share,work,with_ms,without_ms,cost,triangles\n");
     std::istringstream names(values["meshers"]);
     for (std::string name; std::getline(names, name, ',');) {

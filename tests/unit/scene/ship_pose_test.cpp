@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "client/scene/ship_hull.hpp"
@@ -193,6 +194,19 @@ TEST(ShipHull, stands_out_of_the_water_all_around) {
         ASSERT_EQ(hull.size() % 3, 0U);
         EXPECT_GT(hull.size() / 3, 300U);
         EXPECT_LT(hull.size() / 3, 1'500U);
+        // Of every tenth of her length something reaches below the water and well above it.
+        for (float x = -0.5F; x < 0.45F; x += 0.1F) {
+            float lowest = 1, highest = -1;
+            for (const HullVertex& v : hull)
+                if (v.place.x >= x && v.place.x <= x + 0.1F) {
+                    lowest = std::min(lowest, v.place.y);
+                    highest = std::max(highest, v.place.y);
+                }
+            EXPECT_GE(highest, 0.049F) << x;
+            if (x < 0.35F) {
+                EXPECT_LT(lowest, -0.03F) << x;
+            }
+        }
         for (const HullVertex& v : hull) {
             EXPECT_LE(std::abs(v.place.x), 0.501F);
             EXPECT_LE(std::abs(v.place.z), 0.501F);
