@@ -78,6 +78,7 @@ void ViewerState::press_panel_or_view(Action action) {
 void ViewerState::press_choice(Action action, std::string& notice) {
     switch (action) {
         case Action::next_preset:
+            if (fly_.birds_eye()) set_birds_eye(false);
             next_preset(preset_, fly_, wanted_, quality_);
             notice = fmt::format("Camera and light of the preset {}", preset_);
             break;

@@ -44,7 +44,7 @@ FoamPass::~FoamPass() { glDeleteFramebuffers(1, &framebuffer_); }
 void FoamPass::resize(uint32_t side) {
     TROCHOID_ASSERT(std::has_single_bit(side) && side >= 64 && side <= 1024, "foam map of {} texels", side);
     side_ = side;
-    done_step_ = -1;
+    done_step_.reset();
     const std::vector<float> nothing(size_t{side} * side * 4, 0.0F);
     for (const GlTexture& map : maps_) {
         map.bind(GL_TEXTURE_2D, foam_unit);
@@ -57,7 +57,7 @@ void FoamPass::resize(uint32_t side) {
 
 glm::vec4 FoamPass::place(const Camera& camera, const CameraFrame& frame, SeaTime now, uint32_t side) {
     if (side == 0) {
-        done_step_ = -1;
+        done_step_.reset();
         return glm::vec4(0.0F);
     }
     if (side != side_) resize(side);
@@ -95,11 +95,10 @@ void FoamPass::update(bool wanted, const SeaWeather& weather) {
     place_known_ = wanted;
     if (!wanted) return;
     if (wanted_step_ != done_step_) {
-        const int64_t gap = wanted_step_ - done_step_;
+        const int64_t gap = done_step_ ? wanted_step_ - *done_step_ : 0;
         const int64_t moved =
             std::max(std::abs(middle_.x - done_middle_.x), std::abs(middle_.z - done_middle_.z));
-        const bool keep =
-            done_step_ >= 0 && gap > 0 && gap <= longest_gap_steps && moved < to_lattice(map_side_m);
+        const bool keep = gap > 0 && gap <= longest_gap_steps && moved < to_lattice(map_side_m);
         run(weather, keep ? gap : 0);
         maps_[current_].bind(GL_TEXTURE_2D, foam_unit);
         current_ = 1 - current_;

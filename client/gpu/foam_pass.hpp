@@ -2,6 +2,7 @@
 #include <array>
 #include <cstdint>
 #include <glm/vec4.hpp>
+#include <optional>
 
 #include "client/gpu/gl_objects.hpp"
 #include "client/gpu/shader_program.hpp"
@@ -49,7 +50,7 @@ private:
     size_t current_ = 0;
     // In steps of sea time and lattice units.
     int64_t wanted_step_ = 0;
-    int64_t done_step_ = -1;
+    std::optional<int64_t> done_step_;
     LatticePoint anchor_;
     LatticePoint middle_;
     LatticePoint done_middle_;

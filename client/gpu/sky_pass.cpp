@@ -58,7 +58,7 @@ const SkyLight& SkyPass::light_at(double hour) {
         light_ = model.light();
         upload(model);
         made_for_hour_ = hour;
-        drawn_for_ = -1;
+        drawn_for_.reset();
     }
     return light_;
 }

@@ -1,4 +1,6 @@
 #pragma once
+#include <optional>
+
 #include "client/gpu/frame_uniforms.hpp"
 #include "client/gpu/gl_objects.hpp"
 #include "client/gpu/shader_program.hpp"
@@ -36,7 +38,7 @@ private:
     GLuint framebuffer_ = 0;
     SkyLight light_;
     double made_for_hour_ = -1;
-    int64_t drawn_for_ = -1;  // two seconds of sea time
+    std::optional<int64_t> drawn_for_;  // two seconds of sea time
     float drawn_overcast_ = -1;
 };
 

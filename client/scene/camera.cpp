@@ -14,6 +14,9 @@ namespace {
 constexpr double lowest_altitude_m = 0.5;
 /// From here the horizon is 196 km away, within what shaders address.
 constexpr double highest_altitude_m = 3'000.0;
+/// Tangents of half-angles that a view may state (protocol/model/view.hpp).
+constexpr float narrowest_told = 0.01F;
+constexpr float widest_told = 20.0F;
 constexpr double near_m = 0.3;
 constexpr double far_m = 400'000.0;
 
@@ -65,8 +68,9 @@ ViewState view_of(const Camera& camera, glm::dvec3 velocity) {
     view.qy = static_cast<float>(turn.y);
     view.qz = static_cast<float>(turn.z);
     view.qw = static_cast<float>(turn.w);
-    view.tan_half_width = tan_half_width(camera);
-    view.tan_half_height = tan_half_height(camera);
+    // A window may be drawn out to a strip; servers take no wider or narrower view than that.
+    view.tan_half_width = std::clamp(tan_half_width(camera), narrowest_told, widest_told);
+    view.tan_half_height = std::clamp(tan_half_height(camera), narrowest_told, widest_told);
     view.viewport_width = static_cast<uint16_t>(camera.width);
     view.viewport_height = static_cast<uint16_t>(camera.height);
     view.vx = static_cast<float>(velocity.x);

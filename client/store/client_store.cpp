@@ -222,8 +222,9 @@ Result<Done> ClientStore::within_limits(bool whole) const {
         return out_of_range(fmt::format("{} patches, more than the server's own limit of {}",
                                         state_.patches.size(), hello_->limits.patches));
     if (state_.blocks.size() > times * limits_.land_blocks)
-        return out_of_range(fmt::format("{} land blocks: this client holds {} at most", state_.blocks.size(),
-                                        limits_.land_blocks));
+        return out_of_range(
+            fmt::format("{} land blocks: this client holds {} at most, ask for fewer or smaller regions",
+                        state_.blocks.size(), limits_.land_blocks));
     return Done{};
 }
 

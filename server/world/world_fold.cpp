@@ -1,7 +1,6 @@
 #include "server/world/world_fold.hpp"
 
 #include <algorithm>
-#include <ranges>
 #include <set>
 #include <utility>
 #include <variant>
@@ -32,10 +31,10 @@ std::vector<FieldOverlay> overlays_in_use(const WaveTrainBox& record, const std:
     for (const WaveTrain& train : record.trains) used.insert(train.field);
     std::vector<FieldOverlay> kept;
     // A base's id is below its field's, so from the highest field down all that rests on it is known already.
-    for (const FieldOverlay& o : std::views::reverse(all))
-        if (used.contains(o.field)) {
-            used.insert(o.base);
-            kept.push_back(o);
+    for (size_t i = all.size(); i-- > 0;)
+        if (used.contains(all[i].field)) {
+            used.insert(all[i].base);
+            kept.push_back(all[i]);
         }
     return {kept.rbegin(), kept.rend()};
 }
@@ -62,7 +61,10 @@ WaveTrainBox join(const WaveTrainBox& planned, const TracedLand& land, uint32_t 
 
 std::shared_ptr<const WorldBox> with_record(const WorldBox& box, WaveTrainBox record, BoxId successor = {}) {
     auto changed = std::make_shared<WorldBox>(box);
-    if (successor.value != 0) changed->successor = successor;
+    if (successor.value != 0) {
+        changed->successor = successor;
+        changed->land_memory = nullptr;  // from now on only the successor is traced again
+    }
     changed->sea = prepare(std::move(record), fields_with_bases(*box.sea));
     return changed;
 }

@@ -18,8 +18,9 @@ def keep(about, results, fail):
 
 def write_table():
     """README.md: a line for each file."""
-    lines = ["# tests/bench/results", "Written by `tests/bench/run --keep ID…` on an otherwise idle machine; figures and curves are in the files.", "",
-             "| bench | figure | checks that hold | on | by | date |", "|---|---|---|---|---|---|"]
+    lines = ["# tests/bench/results", "Written by `tests/bench/run --keep ID…`; figures and curves are in the files. Load is the machine's when the run began (? = not "
+             "noted): times taken on a busy one are too long, ratios and shares less so.", "",
+             "| bench | figure | checks that hold | on | load | by | date |", "|---|---|---|---|---|---|---|"]
     for file in sorted(FOLDER.glob("*.json")):
         about = json.loads(file.read_text())
         for result in about["results"]:
@@ -29,5 +30,5 @@ def write_table():
             drawn = f" [curves]({file.stem}.svg)" if file.with_suffix(".svg").exists() else ""
             machine = about["machine"]
             lines.append(f"| [{result['id']}]({file.name}){drawn} | {result['figure'].rstrip(';')} | {held} | {machine['cpu']}, "
-                         f"{machine['cores']} cores, {machine['architecture']} | {', '.join(about['compiler'])} | {about['date']} |")
+                         f"{machine['cores']} cores, {machine['architecture']} | {machine.get('load', '?')} | {', '.join(about['compiler'])} | {about['date']} |")
     (FOLDER / "README.md").write_text("\n".join(lines) + "\n")

@@ -46,8 +46,13 @@ def draw(result, file, fail):
         fail(f"{result['id']} draws no curve")
     import matplotlib.pyplot as plt
 
-    figure, axes = plt.subplots(1, len(plots), figsize=(6.4 * len(plots), 4.4), squeeze=False)
-    for axis, one in zip(axes[0], plots):
+    # At most three side by side.
+    columns = min(len(plots), 3)
+    rows = -(-len(plots) // columns)
+    figure, axes = plt.subplots(rows, columns, figsize=(6.4 * columns, 4.4 * rows), squeeze=False)
+    for axis in list(axes.flat)[len(plots):]:
+        axis.set_axis_off()
+    for axis, one in zip(axes.flat, plots):
         (draw_bars if "bars" in one else draw_curves)(axis, one)
         axis.set(title=one["title"], xlabel=one["x"], ylabel=one["y"])
         axis.legend(fontsize="small")

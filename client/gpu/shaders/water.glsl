@@ -68,6 +68,12 @@ float whiteness(float jacobian, float depth, vec3 waves, vec2 rest, Ripples ripp
     return clamp(white + laced(at_shore, rest, pixel), 0.0, 1.0);
 }
 
+/// Dry ground as it looks from afar, so high above still water.
+vec3 dry_ground(float height) {
+    vec3 ground = mix(vec3(0.56, 0.49, 0.36), vec3(0.135, 0.155, 0.066), smoothstep(2.5, 3.7, height));
+    return ground * (0.95 * sky_ambient.rgb + sun_light.rgb * (0.318 * max(sun.y, 0.0)));
+}
+
 vec4 water_colour(vec3 position, vec3 mesh_normal, vec2 rest, vec3 interpolated) {
     // Interpolation may leave a variance of 0 a little below it.
     vec3 waves = vec3(interpolated.x, max(interpolated.yz, 0.0));
@@ -104,5 +110,11 @@ vec4 water_colour(vec3 position, vec3 mesh_normal, vec2 rest, vec3 interpolated)
     colour = mix(colour, foam_light, white * 0.92);
     // No land is drawn beyond the raster, so nothing but water may show there.
     float cover = bed.y > 0.5 ? 1.0 : clamp(depth * 3.0, 0.0, 1.0);
-    return vec4(displayed(hazed(colour, position)), max(cover, 0.0));
+    // Land that is drawn coarser than the bed's map, or not at all, leaves places with nothing behind: there the map's ground
+    // shows. Up close only well above the water, for a beach is finer than the map.
+    float far = smoothstep(1.0, 4.0, distance * picture.x);
+    float dry = bed.y > 0.5 ? 0.0 : smoothstep(1.0 - far, 3.0 - 2.7 * far, -depth);
+    colour = mix(colour, dry_ground(bed.x), dry);
+    cover = max(max(cover, dry), far);
+    return vec4(displayed(hazed(colour, position)), cover);
 }

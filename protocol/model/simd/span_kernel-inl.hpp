@@ -26,6 +26,8 @@ constexpr int sum_all = sum_normal | sum_speed;
 constexpr int sum_newton = sum_xz | sum_matrix;
 
 struct Sums {
+    /// On Arm a constructor that gcc makes by itself has the command line's target, and cannot take in that of a vector.
+    HWY_INLINE Sums() {}  // NOLINT(modernize-use-equals-default): that one is made by itself
     VecF ax, ay, az, bx, bz, mxx, mxz, mzx, mzz, vx, vy, vz;
 };
 

@@ -11,10 +11,12 @@
 HWY_BEFORE_NAMESPACE();
 namespace trochoid::simd::HWY_NAMESPACE {
 
-/// A noise value with its derivatives per cell.
+/// A noise value with its derivatives per cell. Never without initial values: on Arm the constructor that gcc makes for itself
+/// has the command line's target, and cannot take in that of a vector.
 struct Jet {
     VecF value, dx, dz, dt;
 };
+HWY_INLINE Jet no_noise() { return {hn::Zero(df), hn::Zero(df), hn::Zero(df), hn::Zero(df)}; }
 
 HWY_INLINE VecU mix(VecU v) {
     v = hn::Mul(hn::Xor(v, hn::ShiftRight<16>(v)), hn::Set(du, 0x7feb352dU));
@@ -31,12 +33,10 @@ HWY_INLINE Jet corner(VecU hash, VecF fx, VecF fz, VecF ft) {
     const VecU pair = hn::ShiftRight<30>(hash);
     const auto is_1 = hn::RebindMask(df, hn::Eq(pair, hn::Set(du, 1U)));
     const auto is_2 = hn::RebindMask(df, hn::Eq(pair, hn::Set(du, 2U)));
-    Jet j;
-    j.dx = hn::IfThenZeroElse(is_2, first);
-    j.dz = hn::IfThenZeroElse(is_1, hn::IfThenElse(is_2, first, second));
-    j.dt = hn::IfThenElseZero(hn::Or(is_1, is_2), second);
-    j.value = add(add(mul(j.dx, fx), mul(j.dz, fz)), mul(j.dt, ft));
-    return j;
+    const VecF dx = hn::IfThenZeroElse(is_2, first);
+    const VecF dz = hn::IfThenZeroElse(is_1, hn::IfThenElse(is_2, first, second));
+    const VecF dt = hn::IfThenElseZero(hn::Or(is_1, is_2), second);
+    return {add(add(mul(dx, fx), mul(dz, fz)), mul(dt, ft)), dx, dz, dt};
 }
 
 HWY_INLINE VecF blend(VecF a, VecF b, VecF w) { return add(a, mul(w, sub(b, a))); }
@@ -74,9 +74,9 @@ HWY_INLINE Jet octave_at(const NoiseOctave& o, VecU px, VecU pz) {
     const VecF wz = fade(z.at);
     const VecF sx = fade_slope(x.at);
     const VecF sz = fade_slope(z.at);
-    Jet layers[2];
+    Jet layers[2] = {no_noise(), no_noise()};
     for (int t = 0; t < 2; ++t) {
-        Jet rows[2];
+        Jet rows[2] = {no_noise(), no_noise()};
         for (int r = 0; r < 2; ++r) {
             const VecU base = hn::Add(hn::Set(du, t == 0 ? o.early : o.late), z.hash[r]);
             const VecF at_z = r == 0 ? z.at : sub(z.at, one);
@@ -101,7 +101,7 @@ inline void add_noise_span(const PlannedBox& box, Scratch& at, int n) {
     for (size_t i = 0; i < static_cast<size_t>(n); i += lanes) {
         const VecU gain = hn::Load(du, &e.gain[i]);
         if (hn::AllTrue(du, hn::Eq(gain, hn::Zero(du)))) continue;
-        Jet sum{hn::Zero(df), hn::Zero(df), hn::Zero(df), hn::Zero(df)};
+        Jet sum = no_noise();
         for (const NoiseOctave& o : box.live->noise) {
             const Jet j = octave_at(o, hn::Load(du, &at.x_low[i]), hn::Load(du, &at.z_low[i]));
             accumulate(sum.value, splat(o.height), j.value);

@@ -90,9 +90,12 @@ TEST(DepthTable, RowsEqualSingleLookUps) {
             if (i < wave_numbers.size()) {
                 ASSERT_EQ(wave_numbers[i], depth < table.deep() ? 0.25F * table.at(depth)[0] : 0.25F);
             }
-            const float here = depth > 0.0F ? table.at(depth)[1] : table.land()[1];
-            ASSERT_EQ(growths[i], depth < table.untouched() ? here : 1.0F) << depth;
-            if (depth < table.breaking() || depth >= table.untouched()) continue;
+            if (depth >= table.untouched()) {
+                ASSERT_EQ(growths[i], 1.0F) << depth;
+                continue;
+            }
+            ASSERT_EQ(growths[i], depth > 0.0F ? table.at(depth)[1] : table.land()[1]) << depth;
+            if (depth < table.breaking()) continue;
             ASSERT_EQ(table.at(depth)[2], 2.0F) << depth;
             ASSERT_EQ(table.at(depth)[3], 1.0F) << depth;
         }

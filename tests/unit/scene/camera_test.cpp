@@ -55,6 +55,19 @@ TEST(Camera, matrix_puts_the_line_of_sight_in_the_middle_and_the_edges_at_the_ta
     }
 }
 
+TEST(Camera, strip_of_a_window_tells_a_view_that_servers_take) {
+    Camera camera;
+    for (const auto& [width, height] : {std::pair{1280U, 1U}, std::pair{1U, 1280U}, std::pair{8192U, 16U}}) {
+        camera.width = width;
+        camera.height = height;
+        const ViewState view = view_of(camera, glm::dvec3(0));
+        for (const float tangent : {view.tan_half_width, view.tan_half_height}) {
+            EXPECT_GE(tangent, 0.01F) << width << " x " << height;
+            EXPECT_LE(tangent, 20.0F) << width << " x " << height;
+        }
+    }
+}
+
 TEST(Camera, reversed_depth_falls_from_one_to_zero) {
     const Camera camera = looking(0, 0);
     const CameraFrame frame = frame_of(camera, DepthRange::reversed_zero_to_one);

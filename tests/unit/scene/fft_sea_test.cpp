@@ -18,7 +18,7 @@ FftSeaSettings settings_of(float height, glm::vec2 heading) {
 }
 
 constexpr int side = 128;
-constexpr double sample_m = 2.0;
+constexpr float sample_m = 2.0F;
 size_t at(int column, int row) {
     return static_cast<size_t>((row + side) % side * side + (column + side) % side);
 }
@@ -49,10 +49,10 @@ TEST(FftSea, slopes_and_gradients_are_the_derivatives_of_its_fields) {
     for (int row = 0; row < side; ++row)
         for (int column = 0; column < side; ++column) {
             const auto across = [&](int component) {
-                return (d[at(column + 1, row)][component] - d[at(column - 1, row)][component]) / (2 * 2.0F);
+                return (d[at(column + 1, row)][component] - d[at(column - 1, row)][component]) / (2 * sample_m);
             };
             const auto down = [&](int component) {
-                return (d[at(column, row + 1)][component] - d[at(column, row - 1)][component]) / (2 * 2.0F);
+                return (d[at(column, row + 1)][component] - d[at(column, row - 1)][component]) / (2 * sample_m);
             };
             const auto add = [](double& error, double& power, float approximate, float exact) {
                 error += std::pow(static_cast<double>(approximate - exact), 2);

@@ -118,6 +118,15 @@ TEST(ViewerState, preset_keys_go_through_all_and_keep_the_size) {
     EXPECT_EQ(state.fly().camera().width, 333U);
 }
 
+TEST(ViewerState, preset_from_above_takes_the_boxes_of_the_birds_eye_along_no_longer) {
+    ViewerState state{ViewerOptions{}};
+    pressed(state, Action::birds_eye);
+    EXPECT_TRUE(state.wanted().boxes);
+    pressed(state, Action::next_preset);
+    EXPECT_FALSE(state.fly().birds_eye());
+    EXPECT_FALSE(state.wanted().boxes);
+}
+
 TEST(SeaClock, follows_holds_or_steps) {
     SeaClockChoice follows(std::nullopt, 0);
     follows.begin({5});

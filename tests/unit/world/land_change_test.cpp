@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "server/event/event_log.hpp"
+#include "server/land/land_memory.hpp"
 #include "server/world/steepness.hpp"
 #include "server/world/terrain_edit.hpp"
 #include "server/world/world.hpp"
@@ -51,7 +52,8 @@ std::shared_ptr<LandField> field(uint32_t id, uint16_t gain, int32_t x = 0) {
 }
 
 /// All four trains read one new field, over `base` where there is one.
-TracedLand land(uint32_t id, uint16_t gain, std::shared_ptr<const LandField> base = nullptr, int32_t x = 0) {
+TracedLand land(uint32_t id, uint16_t gain, const std::shared_ptr<const LandField>& base = nullptr,
+                int32_t x = 0) {
     TracedLand traced;
     auto top = field(id, gain, x);
     if (base) {
@@ -110,6 +112,21 @@ TEST_F(LandChange, TheTerrainOfTheNextStateIsTheChangedOne) {
     EXPECT_LT(height_at(*before, 0, 0), 0);
     EXPECT_EQ(height_at(*after, 0, 0), 3 * 1024);
     EXPECT_EQ(*after, *edited(*before, wall())->terrain);
+}
+
+// A server whose land changes all day keeps one memory a wind, not one a change.
+TEST_F(LandChange, ASucceededBoxForgetsItsTrace) {
+    TracedLand first = land(1, unit_node_gain / 2);
+    first.memory = std::make_shared<const LandMemory>();
+    const std::weak_ptr<const LandMemory> old = first.memory;
+    start(breeze(), {-5000 * second}, std::move(first));
+    ASSERT_FALSE(old.expired());
+    TracedLand next = land(2, unit_node_gain / 4, world.state()->boxes.at({1})->sea->fields[0]);
+    next.memory = std::make_shared<const LandMemory>();
+    const auto kept = next.memory;
+    change({100 * second}, {{{1}, std::move(next)}});
+    EXPECT_TRUE(old.expired());
+    EXPECT_EQ(world.state()->boxes.at({2})->land_memory, kept);
 }
 
 TEST_F(LandChange, ASuccessorGoesOnWithTheSameWaves) {
@@ -271,7 +288,8 @@ TEST_F(LandChange, AStopAtTheChangeLeavesTheWindItsDecay) {
     world.apply(event(now, *stop), Bytes{3});
     EXPECT_EQ(record(2).decay_us, decay_us);
     const SeaTime half = now + decay_us / 2;
-    EXPECT_NEAR(instant_of(record(2), half).time_gain, full_gain / 2, 64);
+    constexpr double half_gain = full_gain / 2.0;
+    EXPECT_NEAR(instant_of(record(2), half).time_gain, half_gain, 64);
 }
 
 TEST_F(LandChange, SteeperLandLowersChoppinessOnlyWhereThereIsNoRoom) {
