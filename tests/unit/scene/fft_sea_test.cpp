@@ -49,10 +49,12 @@ TEST(FftSea, slopes_and_gradients_are_the_derivatives_of_its_fields) {
     for (int row = 0; row < side; ++row)
         for (int column = 0; column < side; ++column) {
             const auto across = [&](int component) {
-                return (d[at(column + 1, row)][component] - d[at(column - 1, row)][component]) / (2 * sample_m);
+                return (d[at(column + 1, row)][component] - d[at(column - 1, row)][component]) /
+                       (2 * sample_m);
             };
             const auto down = [&](int component) {
-                return (d[at(column, row + 1)][component] - d[at(column, row - 1)][component]) / (2 * sample_m);
+                return (d[at(column, row + 1)][component] - d[at(column, row - 1)][component]) /
+                       (2 * sample_m);
             };
             const auto add = [](double& error, double& power, float approximate, float exact) {
                 error += std::pow(static_cast<double>(approximate - exact), 2);
