@@ -20,7 +20,8 @@ std::unique_ptr<Mesher> make_mesher(MesherKind kind, MesherUse use) {
 
 ShaderProgramOptions options_of(MesherUse use) {
     if (use == MesherUse::picture) return {};
-    return {{"TROCHOID_PROBE 1"}, {"probe_place", "probe_shift", "probe_normal", "probe_phases", "probe_trains"}};
+    return {{"TROCHOID_PROBE 1"},
+            {"probe_place", "probe_shift", "probe_normal", "probe_phases", "probe_trains"}};
 }
 
 std::vector<std::string_view> stages_of(MesherUse use, std::vector<std::string_view> geometry) {

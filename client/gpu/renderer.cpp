@@ -38,9 +38,7 @@ size_t texel_buffer_limit() {
 }  // namespace
 
 Renderer::Renderer()
-    : depth_range_(best_depth_range()),
-      texel_limit_(texel_buffer_limit()),
-      sky_(depth_range_) {
+    : depth_range_(best_depth_range()), texel_limit_(texel_buffer_limit()), sky_(depth_range_) {
     if (depth_range_ == DepthRange::reversed_zero_to_one) glClipControl(GL_LOWER_LEFT, GL_ZERO_TO_ONE);
 }
 

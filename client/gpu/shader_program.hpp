@@ -45,15 +45,15 @@ enum TextureUnit : GLint {
     wakes_unit,
     ripples_unit,
     bed_unit,
-    directory_unit,  ///< patch_directory
-    sky_unit,        ///< sky_cube
-    foam_unit,       ///< foam_map
-    fft_unit,        ///< fft_displacement
-    fft_slope_unit,  ///< fft_slope
-    noise_unit,      ///< noise_lattice
-    clear_sky_unit,  ///< clear_sky
+    directory_unit,    ///< patch_directory
+    sky_unit,          ///< sky_cube
+    foam_unit,         ///< foam_map
+    fft_unit,          ///< fft_displacement
+    fft_slope_unit,    ///< fft_slope
+    noise_unit,        ///< noise_lattice
+    clear_sky_unit,    ///< clear_sky
     foam_detail_unit,  ///< foam_detail
-    first_own_unit   ///< from here on for a pass's own textures
+    first_own_unit     ///< from here on for a pass's own textures
 };
 /// Binding points of the Frame and OtherSeas blocks.
 inline constexpr GLuint frame_binding = 0;

@@ -79,11 +79,13 @@ struct DrawOptions {
     float attention =
         1.0F;            ///< projected: rows go to the foreground (> 1) or the background (< 1), 0.25 to 4
     double hour = 16.5;  ///< local solar time of the light, 0 to 24
-    uint32_t projected_rows = 0;     ///< projected: quads along the water's height in the picture, 2 to 512; 0 = from error_px
-    uint32_t projected_columns = 0;  ///< projected: quads a row, 2 to 512; 0 = from error_px
+    uint32_t projected_rows =
+        0;  ///< projected: quads along the water's height in the picture, 2 to 512; 0 = from error_px
+    uint32_t projected_columns = 0;       ///< projected: quads a row, 2 to 512; 0 = from error_px
     uint32_t most_triangles = 2'000'000;  ///< coherent: beyond, the whole mesh is made coarser, at least 4096
-    bool coherent_land = false;  ///< land by the coherent mesher instead of tiles (row D9)
-    float render_scale = 1.0F;   ///< share of the picture's width and height that is drawn and then enlarged, 0.25 to 1
+    bool coherent_land = false;           ///< land by the coherent mesher instead of tiles (row D9)
+    float render_scale =
+        1.0F;  ///< share of the picture's width and height that is drawn and then enlarged, 0.25 to 1
     std::array<float, 3> clear_colour{0.0F, 0.0F, 0.0F};
     bool operator==(const DrawOptions&) const = default;
 };

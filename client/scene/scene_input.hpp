@@ -39,7 +39,8 @@ struct SourceStatistics {
     uint32_t resyncs = 0;  ///< results whose hash did not match
     uint64_t log_position = 0;
     float error_in_force_px = 1.0F;  ///< height error that the server culls by, pixels
-    SeaTime known_until = end_of_time;  ///< later events may still change the sea: pictures of later times have to wait
+    SeaTime known_until =
+        end_of_time;  ///< later events may still change the sea: pictures of later times have to wait
     bool operator==(const SourceStatistics&) const = default;
 };
 
