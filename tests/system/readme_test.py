@@ -48,10 +48,15 @@ def translated(words, bin_dir, address, token, folder):
     if fixed[0] in ("./demo.sh", "./test.sh", "tests/determinism/matrix"):
         known = subprocess.run([fixed[0], "--help"], capture_output=True, text=True, check=True).stdout
         own = fixed[1:fixed.index("--")] if "--" in fixed else fixed[1:]
-        for option in own:
+        for before, option in zip([""] + own, own):
             if option.startswith("-") and option not in known:
                 sys.exit(f"the README says {' '.join(words)}, but {fixed[0]} --help knows no {option}")
-            if not option.startswith("-") and not os.path.exists(option):
+            if before == "--preset":
+                listed = subprocess.run([os.path.join(bin_dir, "trochoid-viewer"), "--list-presets"], capture_output=True,
+                                        text=True, check=True).stdout
+                if option not in [line.split("\t")[0] for line in listed.splitlines()]:
+                    sys.exit(f"the README says {' '.join(words)}, but the viewer has no preset {option}")
+            elif not option.startswith("-") and not os.path.exists(option):
                 sys.exit(f"the README says {' '.join(words)}, but there is no {option}")
         # What follows -- is for the viewer.
         fixed = [fixed[0], "--help"]
