@@ -11,13 +11,6 @@
 
 namespace trochoid {
 
-double median_of(std::vector<double> values) {
-    if (values.empty()) return 0;
-    const auto middle = values.begin() + static_cast<ptrdiff_t>(values.size() / 2);
-    std::nth_element(values.begin(), middle, values.end());
-    return *middle;
-}
-
 namespace {
 
 nlohmann::ordered_json choices_of(const ViewerSummary& s) {

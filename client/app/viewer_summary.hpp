@@ -32,9 +32,6 @@ struct ViewerSummary {
     uint64_t recorded_pictures = 0;
 };
 
-/// Median of durations or rates; 0 of nothing.
-double median_of(std::vector<double> values);
-
 /// One line for people.
 std::string summary_line(const ViewerSummary& summary);
 /// The same and more for programs. Throws OperatorError where the file cannot be written.

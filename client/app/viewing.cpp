@@ -7,6 +7,7 @@
 #include <thread>
 
 #include "client/gpu/picture_file.hpp"
+#include "client/scene/median.hpp"
 #include "protocol/units/operator_error.hpp"
 
 namespace trochoid {

@@ -87,8 +87,8 @@ FrameUniforms make_uniforms(const FrameInputs& in) {
     u.foam = {0.6F, 1.1F, in.bed.open_sea_m, in.bed.belt_m};
     u.choice = {static_cast<int>(in.options.displacement), static_cast<int>(in.options.far_method),
                 static_cast<int>(eye.refinement), 0};
-    const float length = glm::length(in.heading);
-    u.wind = {length > 1e-6F ? in.heading / length : glm::vec2(1, 0), in.weather.wind_m_s,
+    const float length = glm::length(in.weather.heading);
+    u.wind = {length > 1e-6F ? in.weather.heading / length : glm::vec2(1, 0), in.weather.wind_m_s,
               static_cast<float>(in.options.hour)};
     u.mesh_sides = eye.sides;
     u.sea_state = sea_state_of(in.weather);

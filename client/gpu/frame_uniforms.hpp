@@ -46,9 +46,8 @@ struct FrameInputs {
     const MeshEye& eye;
     const BedMap& bed;
     SeaTime now;
-    int ripple_axis = 0;   ///< see ripple_axis_near
-    DrawOptions options;   ///< layers, methods and the like
-    glm::vec2 heading{0};  ///< where the slopes near the camera travel (SeaWeather::heading)
+    int ripple_axis = 0;  ///< see ripple_axis_near
+    DrawOptions options;  ///< layers, methods and the like
     SkyLight light{};
     SeaWeather weather{};
     glm::vec4 scroll{0};          ///< RippleScroll::tiles

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <chrono>
 #include <cmath>
 #include <glm/geometric.hpp>
 
@@ -87,7 +86,6 @@ void OtherSeas::fill_noise(Block& block, const SeaWeather& weather, SeaTime now)
 }
 
 void OtherSeas::fill_fft(Block& block, const SeaWeather& weather, SeaTime now) {
-    const auto start = std::chrono::steady_clock::now();
     FftSeaSettings settings;
     settings.significant_height = stepped_height(weather.height_m);
     // Turning the tile would tear the picture: the heading stays with the sea that it was made for.
@@ -102,8 +100,6 @@ void OtherSeas::fill_fft(Block& block, const SeaWeather& weather, SeaTime now) {
     block.counts[1] = static_cast<int32_t>(settings.tile_log2);
     block.counts[2] = std::countr_zero(settings.side);
     block.fft_variance = fft_->slope_variance();
-    transform_ms_ =
-        std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
 }
 
 void OtherSeas::prepare(Displacement displacement, const SeaWeather& weather, SeaTime now) {

@@ -18,9 +18,6 @@ public:
     /// Makes this moment's tables and binds them.
     void prepare(Displacement displacement, const SeaWeather& weather, SeaTime now);
 
-    /// CPU time of the last transform and its upload, ms.
-    double transform_ms() const { return transform_ms_; }
-
 private:
     struct Block;
     void fill_noise(Block& block, const SeaWeather& weather, SeaTime now);
@@ -32,7 +29,6 @@ private:
     std::unique_ptr<FftSea> fft_;
     SurfaceNoise noise_;
     float noise_height_ = -1;  // significant height that noise_ was made for, m
-    double transform_ms_ = 0;
 };
 
 }  // namespace trochoid

@@ -103,10 +103,9 @@ void Renderer::upload(const Chosen& chosen, const Camera& camera, SeaTime now, c
     other_seas_.prepare(options.displacement, weather_, now);
     ripple_axis_ = ripple_axis_near(weather_.heading, ripple_axis_);
     scroll_.advance(now, weather_.wind_m_s);
-    const FrameUniforms uniforms =
-        make_uniforms({camera, chosen.frame, chosen.eye, bed_, now, ripple_axis_, options, weather_.heading,
-                       sky_.light_at(options.hour), weather_, scroll_.tiles(),
-                       foam_.place(camera, chosen.frame, now, foam_side)});
+    const FrameUniforms uniforms = make_uniforms(
+        {camera, chosen.frame, chosen.eye, bed_, now, ripple_axis_, options, sky_.light_at(options.hour),
+         weather_, scroll_.tiles(), foam_.place(camera, chosen.frame, now, foam_side)});
     uniforms_.fill(GL_UNIFORM_BUFFER, std::span<const FrameUniforms>(&uniforms, 1), GL_STREAM_DRAW);
     glBindBufferBase(GL_UNIFORM_BUFFER, frame_binding, uniforms_.name());
     buffers_.bind();

@@ -103,8 +103,8 @@ void set_units(GLuint program) {
 ShaderProgram::ShaderProgram(std::span<const std::string_view> stages, const Options& options)
     : name_(glCreateProgram()) {
     std::string prelude = "#version 410 core\n";
-    prelude +=
-        fmt::format("#define TRAIN_ROW {}\n#define OCTAVE_ROW {}\n", train_row_texels, octave_row_texels);
+    prelude += fmt::format("#define TRAIN_ROW {}\n#define OCTAVE_ROW {}\n#define OCTAVE_MEAN_SQUARE {:f}\n",
+                           train_row_texels, octave_row_texels, octave_mean_square);
     for (const std::string& define : options.defines) prelude += "#define " + define + "\n";
     for (const std::string_view file : stages) {
         const GLuint shader = compile(file, prelude);

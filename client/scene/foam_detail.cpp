@@ -75,20 +75,6 @@ float as_normal(float share) {
     return share < 0.5F ? -normal_quantile(share) : normal_quantile(1.0F - share);
 }
 
-using Level = std::vector<std::array<float, 4>>;
-Level halved(const Level& fine, uint32_t side) {
-    Level coarse(size_t{side / 2} * (side / 2));
-    for (uint32_t z = 0; z < side / 2; ++z)
-        for (uint32_t x = 0; x < side / 2; ++x)
-            for (size_t c = 0; c < 4; ++c) {
-                const auto at = [&](uint32_t i, uint32_t j) {
-                    return fine[(2 * z + j) * side + 2 * x + i][c];
-                };
-                coarse[z * (side / 2) + x][c] = 0.25F * (at(0, 0) + at(1, 0) + at(0, 1) + at(1, 1));
-            }
-    return coarse;
-}
-
 /// Patches longer along y than along x, which is the wind's way.
 float whitecap_noise(float u, float v, uint32_t seed) {
     float sum = 0;
@@ -145,12 +131,11 @@ FoamDetail make_foam_detail(uint32_t side, uint32_t seed) {
     streaks = evened(streaks);
     FoamDetail detail;
     detail.side = side;
-    Level level(count);
+    MipLevel level(count);
     const auto stored = [](float share) { return std::clamp(0.5F + 0.125F * as_normal(share), 0.0F, 1.0F); };
     for (size_t i = 0; i < count; ++i)
         level[i] = {stored(caps[i]), lace[i], streaks[i], stored(other_caps[i])};
-    detail.levels.push_back(std::move(level));
-    for (uint32_t s = side; s > 1; s /= 2) detail.levels.push_back(halved(detail.levels.back(), s));
+    detail.levels = with_coarser_levels(std::move(level), side);
     return detail;
 }
 

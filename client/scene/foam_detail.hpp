@@ -1,7 +1,8 @@
 #pragma once
-#include <array>
 #include <cstdint>
 #include <vector>
+
+#include "client/scene/mip_levels.hpp"
 
 namespace trochoid {
 
@@ -10,7 +11,7 @@ struct FoamDetail {
     uint32_t side = 0;
     /// One entry a mip level, finest first; each texel, 0 to 1, is (whitecap noise; lace of bubbles, evenly distributed; streaks,
     /// evenly distributed; another whitecap noise). Whitecap noise is 0.5 + n / 8 of a normally distributed n of variance 1.
-    std::vector<std::vector<std::array<float, 4>>> levels;
+    std::vector<MipLevel> levels;
 };
 
 /// Noise of cells and gradients, made normal and even by rank. `side` is a power of two.

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <span>
 
+#include "client/scene/median.hpp"
 #include "protocol/units/assert.hpp"
 
 namespace trochoid {
@@ -92,13 +93,6 @@ void take_away(Sacrifice what, DrawOptions& options) {
     if (what == Sacrifice::foam_history) options.foam_history = false;
     if (what == Sacrifice::resolution) options.render_scale = 0.7F;
     if (what == Sacrifice::half_resolution) options.render_scale = 0.5F;
-}
-
-double median_of(std::span<const double> values) {
-    std::vector<double> sorted(values.begin(), values.end());
-    const auto middle = sorted.begin() + static_cast<ptrdiff_t>(sorted.size() / 2);
-    std::nth_element(sorted.begin(), middle, sorted.end());
-    return *middle;
 }
 
 /// Scatter of the logarithm, as a standard deviation, from the median of deviations: outliers do not count.

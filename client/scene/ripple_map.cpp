@@ -49,10 +49,8 @@ std::vector<Ripple> choose_ripples(uint32_t seed) {
     return ripples;
 }
 
-using Level = std::vector<std::array<float, 4>>;
-
 /// A ripple has whole numbers of periods, so its phase takes only `side` values: sines come from a table.
-void add_ripple(Level& level, std::vector<double>& height, uint32_t side, const Ripple& r) {
+void add_ripple(MipLevel& level, std::vector<double>& height, uint32_t side, const Ripple& r) {
     std::vector<double> sine(side);
     std::vector<double> cosine(side);
     for (uint32_t i = 0; i < side; ++i) {
@@ -72,27 +70,13 @@ void add_ripple(Level& level, std::vector<double>& height, uint32_t side, const 
         }
 }
 
-/// Half the size, each texel the mean of four.
-Level halved(const Level& fine, uint32_t side) {
-    Level coarse(size_t{side / 2} * (side / 2));
-    for (uint32_t z = 0; z < side / 2; ++z)
-        for (uint32_t x = 0; x < side / 2; ++x)
-            for (size_t c = 0; c < 4; ++c) {
-                const auto at = [&](uint32_t i, uint32_t j) {
-                    return fine[(2 * z + j) * side + 2 * x + i][c];
-                };
-                coarse[z * (side / 2) + x][c] = 0.25F * (at(0, 0) + at(1, 0) + at(0, 1) + at(1, 1));
-            }
-    return coarse;
-}
-
 }  // namespace
 
 RippleMap make_ripple_map(uint32_t side, uint32_t seed) {
     TROCHOID_ASSERT(std::has_single_bit(side), "side {}", side);
     RippleMap map;
     map.side = side;
-    Level level(size_t{side} * side);
+    MipLevel level(size_t{side} * side);
     const std::vector<Ripple> ripples = choose_ripples(seed);
     double height_power = 0;
     for (const Ripple& r : ripples) height_power += 0.5 * r.amplitude * r.amplitude;
@@ -109,8 +93,7 @@ RippleMap make_ripple_map(uint32_t side, uint32_t seed) {
         level[i][2] = level[i][0] * level[i][0] + level[i][1] * level[i][1];
         level[i][3] = static_cast<float>(std::clamp(0.5 + height[i] * height_scale, 0.0, 1.0));
     }
-    map.levels.push_back(std::move(level));
-    for (uint32_t s = side; s > 1; s /= 2) map.levels.push_back(halved(map.levels.back(), s));
+    map.levels = with_coarser_levels(std::move(level), side);
     return map;
 }
 

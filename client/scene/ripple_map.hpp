@@ -1,7 +1,8 @@
 #pragma once
-#include <array>
 #include <cstdint>
 #include <vector>
+
+#include "client/scene/mip_levels.hpp"
 
 namespace trochoid {
 
@@ -11,7 +12,7 @@ struct RippleMap {
     /// One entry a mip level, finest first; each texel is (slope along x, slope along z, their squares' sum, height of the
     /// ripples, 0 to 1), of which the third keeps the variance that averaging takes from the first two (LEAN mapping,
     /// Olano and Baker 2010).
-    std::vector<std::vector<std::array<float, 4>>> levels;
+    std::vector<MipLevel> levels;
 };
 
 /// Sum of sines with whole numbers of periods on the tile, amplitudes falling off like k^-1.2, spread about +x.

@@ -107,12 +107,10 @@ void append_round(std::vector<RecordTexel>& out, const WaveTrainBox& box,
 /// Hashes of the time layers before and after, log2 of the lattice step, position between the layers; its fade and the fade's
 /// slope, height, slope; length of the wave that it fades like, slope variance, that of it and all finer ones.
 void append_octaves(std::vector<RecordTexel>& out, const std::vector<NoiseOctave>& octaves) {
-    // Mean square of the gradient of one octave per cell, measured.
-    constexpr float mean_square = 1.05F;
     float finer = 0.0F;
-    for (const NoiseOctave& o : octaves) finer += mean_square * o.slope * o.slope;
+    for (const NoiseOctave& o : octaves) finer += octave_mean_square * o.slope * o.slope;
     for (const NoiseOctave& o : octaves) {
-        const float variance = mean_square * o.slope * o.slope;
+        const float variance = octave_mean_square * o.slope * o.slope;
         const float length = static_cast<float>(uint32_t{2} << o.step_log2) * 0x1p-10F;
         out.push_back({bits(o.early), bits(o.late), o.step_log2, bits(o.since)});
         out.push_back({bits(o.fade), bits(o.fade_slope), bits(o.height), bits(o.slope)});

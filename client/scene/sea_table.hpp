@@ -25,6 +25,8 @@ inline constexpr int train_row_texels = 3;
 inline constexpr int irregular_row_texels = 3;
 inline constexpr int wake_row_texels = 3;
 inline constexpr int octave_row_texels = 3;
+/// Mean square of the gradient of an octave of noise per cell (both axes), measured.
+inline constexpr float octave_mean_square = 1.05F;
 
 /// What waves can do at most where a list of boxes acts, metres.
 struct WaveBounds {

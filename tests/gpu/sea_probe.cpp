@@ -32,7 +32,7 @@ Probe probe(const InterestState& state, SeaTime now, const Camera& camera, const
     buffers.set_lists(table.lists());
     buffers.set_directory(directory);
     buffers.set_records(table.records(land, frame.anchor, now, options.layers));
-    const FrameUniforms uniforms = make_uniforms({camera, frame, eye, BedMap{}, now, 0, options, {}});
+    const FrameUniforms uniforms = make_uniforms({camera, frame, eye, BedMap{}, now, 0, options});
     GlBuffer uniform_buffer;
     uniform_buffer.fill(GL_UNIFORM_BUFFER, std::span<const FrameUniforms>(&uniforms, 1), GL_STATIC_DRAW);
     glBindBufferBase(GL_UNIFORM_BUFFER, frame_binding, uniform_buffer.name());

@@ -9,15 +9,12 @@ layout(std140) uniform OtherSeas {
     vec4 fft_variance[3];   // slope variance that is left at each mip level
 };
 
-/// Mean square of the gradient of an octave per cell (both axes), as in sea_table.cpp.
-const float noise_mean_square = 1.05;
-
 void sum_noise(ivec2 place, float spacing) {
     uvec2 low = uvec2(camera_cell.zw + place);
     for (int i = 0; i < other_counts.x; ++i) {
         vec4 scale = noise_scale[i];
         float weight = displayed_weight(scale.w, spacing);
-        float variance = noise_mean_square * scale.z * scale.z;
+        float variance = OCTAVE_MEAN_SQUARE * scale.z * scale.z;
         total_variance += variance;
         faded_variance += variance * (1.0 - weight * weight);
         if (weight <= 0.0) continue;
