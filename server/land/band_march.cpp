@@ -68,87 +68,119 @@ private:
     PlaneSampler sampler_;
 };
 
-/// Whether any of `count` values differs from `open`, bit by bit.
-TROCHOID_WIDE_ROWS bool any_differs(const float* values, size_t count, float open) {
-    const auto bits = std::bit_cast<uint32_t>(open);
-    uint32_t differs = 0;
-    for (size_t j = 0; j < count; ++j) differs |= std::bit_cast<uint32_t>(values[j]) ^ bits;
-    return differs != 0;
-}
-
-/// Hashes of tiles while their rows go by: one a column, all columns alike, so that they run in vector registers.
-class TileHasher {
+/// Keeps the rows of a march as they go by: copies them out, hashes tiles (one hash a column, all columns alike, so that they run in
+/// vector registers) and marks those that are not open water.
+class RowKeeper {
 public:
-    explicit TileHasher(BandGrid& grid) : grid_(grid), columns_(tiles_across(grid) * TileMarks::side) {
+    explicit RowKeeper(BandGrid& grid)
+        : grid_(grid),
+          hashes_(tiles_across(grid) * TileMarks::side),
+          shifted_(hashes_.size()),
+          sheltered_(hashes_.size()) {
         const size_t tiles = static_cast<size_t>((grid.rows - 1) / TileMarks::side + 1) * tiles_across(grid);
-        begin();
+        begin_hashes();
+        begin_marks();
         if (grid.tile_hashes.size() != tiles || grid.first_row % TileMarks::side != 0) {
             // Rows that are not marched are open water.
             for (int32_t row = 0; row < TileMarks::side; ++row) add_open();
-            end(0);
+            end_hashes(0);
             grid.tile_hashes.resize(tiles);
             for (size_t tile = tiles_across(grid); tile < tiles; ++tile)
                 grid.tile_hashes[tile] = grid.tile_hashes[tile % tiles_across(grid)];
             for (int32_t row = 0; row < grid.first_row % TileMarks::side; ++row) add_open();
+            begin_marks();
         }
     }
 
-    void add(int32_t row, const float* shift, const float* shelter) {
-        mix(columns_.data(), shift, shelter, static_cast<size_t>(grid_.columns));
-        if (row % TileMarks::side == TileMarks::side - 1 || row == grid_.rows - 1) end(row / TileMarks::side);
+    void put(int32_t row, const MarchRow& shift, const MarchRow& shelter) {
+        const int32_t at = row - grid_.first_row;
+        const auto columns = static_cast<size_t>(grid_.columns);
+        const size_t start = static_cast<size_t>(at) * columns;
+        const Kept kept{grid_.shift.data() + start, grid_.shelter.data() + start, hashes_.data(),
+                        shifted_.data(), sheltered_.data()};
+        keep(kept, shift.data() + 1, shelter.data() + 1, columns);
+        const bool last = row == grid_.rows - 1;
+        if (row % TileMarks::side == TileMarks::side - 1 || last) end_hashes(row / TileMarks::side);
+        if (at % TileMarks::side == TileMarks::side - 1 || last) end_marks(at);
     }
 
 private:
     static constexpr uint64_t factor = 0x9e3779b97f4a7c15U;
 
-    TROCHOID_WIDE_ROWS static void mix(uint64_t* __restrict hashes, const float* __restrict shift,
-                                       const float* __restrict shelter, size_t count) {
+    /// Where a row goes; the last two take the bits in which a column differed from open water.
+    struct Kept {
+        float* shift;
+        float* shelter;
+        uint64_t* hashes;
+        uint32_t* shifted;
+        uint32_t* sheltered;
+    };
+    TROCHOID_WIDE_ROWS static void keep(const Kept& to, const float* __restrict shift,
+                                        const float* __restrict shelter, size_t count) {
+        float* __restrict const kept_shift = to.shift;
+        float* __restrict const kept_shelter = to.shelter;
+        uint64_t* __restrict const hashes = to.hashes;
+        uint32_t* __restrict const shifted = to.shifted;
+        uint32_t* __restrict const sheltered = to.sheltered;
         for (size_t j = 0; j < count; ++j) {
-            const uint64_t both = uint64_t{std::bit_cast<uint32_t>(shift[j])} << 32 |
-                                  uint64_t{std::bit_cast<uint32_t>(shelter[j])};
-            hashes[j] = (hashes[j] ^ both) * factor;
-            hashes[j] ^= hashes[j] >> 29;
+            const auto shift_bits = std::bit_cast<uint32_t>(shift[j]);
+            const auto shelter_bits = std::bit_cast<uint32_t>(shelter[j]);
+            kept_shift[j] = shift[j];
+            kept_shelter[j] = shelter[j];
+            shifted[j] |= shift_bits;
+            sheltered[j] |= shelter_bits ^ std::bit_cast<uint32_t>(1.0F);
+            uint64_t hash = (hashes[j] ^ (uint64_t{shift_bits} << 32 | uint64_t{shelter_bits})) * factor;
+            hash ^= hash >> 29;
+            hashes[j] = hash;
         }
     }
     void add_open() {
-        const std::vector<float> shift(static_cast<size_t>(grid_.columns), 0.0F);
-        const std::vector<float> shelter(static_cast<size_t>(grid_.columns), 1.0F);
-        mix(columns_.data(), shift.data(), shelter.data(), static_cast<size_t>(grid_.columns));
+        const auto columns = static_cast<size_t>(grid_.columns);
+        const std::vector<float> shift(columns, 0.0F);
+        const std::vector<float> shelter(columns, 1.0F);
+        std::vector<float> nowhere(2 * columns);
+        keep({nowhere.data(), nowhere.data() + columns, hashes_.data(), shifted_.data(), sheltered_.data()},
+             shift.data(), shelter.data(), columns);
     }
-    void begin() { std::fill(columns_.begin(), columns_.end(), uint64_t{1}); }
-    void end(int32_t tile_row) {
+    void begin_hashes() { std::fill(hashes_.begin(), hashes_.end(), uint64_t{1}); }
+    void begin_marks() {
+        std::fill(shifted_.begin(), shifted_.end(), 0U);
+        std::fill(sheltered_.begin(), sheltered_.end(), 0U);
+    }
+    void end_hashes(int32_t tile_row) {
         const size_t across = tiles_across(grid_);
         const size_t first = static_cast<size_t>(tile_row) * across;
         grid_.tile_hashes.resize(std::max(grid_.tile_hashes.size(), first + across));
         for (size_t tile = 0; tile < across; ++tile) {
             uint64_t hash = 0;
             for (size_t j = 0; j < TileMarks::side; ++j) {
-                hash = (hash ^ columns_[tile * TileMarks::side + j]) * factor;
+                hash = (hash ^ hashes_[tile * TileMarks::side + j]) * factor;
                 hash ^= hash >> 32;
             }
             grid_.tile_hashes[first + tile] = hash;
         }
-        begin();
+        begin_hashes();
+    }
+    /// `row`: the last of the tiles', from the first row held on.
+    void end_marks(int32_t row) {
+        for (int32_t column = 0; column < grid_.columns; column += TileMarks::side) {
+            uint32_t shifted = 0;
+            uint32_t sheltered = 0;
+            for (size_t j = 0; j < TileMarks::side; ++j) {
+                shifted |= shifted_[static_cast<size_t>(column) + j];
+                sheltered |= sheltered_[static_cast<size_t>(column) + j];
+            }
+            if (shifted != 0) grid_.marks.add(column, row, BandGrid::shifts);
+            if (sheltered != 0) grid_.marks.add(column, row, BandGrid::shelters);
+        }
+        begin_marks();
     }
 
     BandGrid& grid_;
-    std::vector<uint64_t> columns_;
+    std::vector<uint64_t> hashes_;
+    std::vector<uint32_t> shifted_;
+    std::vector<uint32_t> sheltered_;
 };
-
-void put_row(BandGrid& grid, int32_t row, const MarchRow& shift, const MarchRow& shelter) {
-    const int32_t at = row - grid.first_row;
-    const size_t start = static_cast<size_t>(at) * static_cast<size_t>(grid.columns);
-    std::copy_n(shift.data() + 1, grid.columns, grid.shift.data() + start);
-    std::copy_n(shelter.data() + 1, grid.columns, grid.shelter.data() + start);
-    for (int32_t j = 0; j < grid.columns; j += TileMarks::side) {
-        const auto count = static_cast<size_t>(std::min(TileMarks::side, grid.columns - j));
-        const uint8_t known = grid.marks.at(j, at);
-        if ((known & BandGrid::shifts) == 0 && any_differs(grid.shift.data() + start + j, count, 0.0F))
-            grid.marks.add(j, at, BandGrid::shifts);
-        if ((known & BandGrid::shelters) == 0 && any_differs(grid.shelter.data() + start + j, count, 1.0F))
-            grid.marks.add(j, at, BandGrid::shelters);
-    }
-}
 
 /// The last row that nothing touches yet, or rows where nothing touches any.
 int32_t first_touched_row(const BandGrid& grid, const NodePlanes& planes) {
@@ -222,19 +254,15 @@ void march_band(BandGrid& grid, const LandArea& area, const NodePlanes& planes, 
     grid.shift.resize(static_cast<size_t>(grid.rows - grid.first_row) * columns);
     grid.shelter.resize(grid.shift.size());
     grid.marks.reset(grid.columns, grid.rows - grid.first_row);
-    TileHasher hasher(grid);
-    const auto put = [&](int32_t row) {
-        put_row(grid, row, phase.shift(), shelter.shelter());
-        hasher.add(row, phase.shift().data() + 1, shelter.shelter().data() + 1);
-    };
-    put(grid.first_row);
+    RowKeeper keeper(grid);
+    keeper.put(grid.first_row, phase.shift(), shelter.shelter());
     MarchRow wave_numbers(columns + 2, static_cast<float>(open));
     MarchRow limits(columns + 2, 1.0F);
     for (int32_t row = grid.first_row + 1; row < grid.rows; ++row) {
         sampler.sample(row, wave_numbers, limits);
         phase.advance(wave_numbers);
         shelter.advance(limits);
-        put(row);
+        keeper.put(row, phase.shift(), shelter.shelter());
         if (row % checkpoint_rows == 0) {
             checkpoints.push_back({row, {}});
             phase.save(checkpoints.back().state);

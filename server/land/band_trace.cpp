@@ -7,6 +7,7 @@
 #include "protocol/model/arithmetic_rules.hpp"
 #include "server/land/depth_table.hpp"
 #include "server/land/finite_depth.hpp"
+#include "server/land/turning.hpp"
 #include "server/world/steepness.hpp"
 
 namespace trochoid {
@@ -31,19 +32,26 @@ double growth_where_breaking(const DepthResponse& response, double height, const
     return std::max(response.wave_number(depth) * response.growth(depth), 1.0);
 }
 
-/// Marks the blocks that are not open water; of a restart only those `looked_at`.
-void mark_live(const TraceInput& in, const BandView& view, TraceWorkspace& work,
-               std::span<const uint8_t> looked_at) {
-    const LandArea& area = *view.area;
-    work.live.assign(static_cast<size_t>(area.blocks_x) * static_cast<size_t>(area.blocks_z), 0);
+/// Tiles of nodes that the marked blocks have nodes in.
+std::vector<uint8_t> tiles_of_blocks(const LandArea& area, std::span<const uint8_t> blocks) {
+    TileMarks nodes;
+    nodes.reset(area.nodes_x(), area.nodes_z());
     size_t at = 0;
-    for (int32_t bz = 0; bz < area.blocks_z; ++bz) {
-        for (int32_t bx = 0; bx < area.blocks_x; ++bx, ++at) {
-            if (!looked_at.empty() && looked_at[at] == 0) continue;
-            const BlockOffset real = block_in_area(view, bx, bz);
-            if (block_touches(in.area, real.x, real.z, in.box) && !block_is_open(area, work.field, bx, bz))
-                work.live[at] = 1;
-        }
+    for (int32_t bz = 0; bz < area.blocks_z; ++bz)
+        for (int32_t bx = 0; bx < area.blocks_x; ++bx, ++at)
+            if (blocks[at] != 0)
+                for (const int32_t z : {bz, bz + 1})
+                    for (const int32_t x : {bx, bx + 1}) nodes.add(x * block_cells, z * block_cells, 1);
+    return {nodes.tiles().begin(), nodes.tiles().end()};
+}
+
+/// Marks the blocks of a row that are not open water; of a restart only those `looked_at`.
+void mark_live(const BandView& view, TraceWorkspace& work, std::span<const uint8_t> looked_at, int32_t bz) {
+    const LandArea& area = *view.area;
+    size_t at = static_cast<size_t>(bz) * static_cast<size_t>(area.blocks_x);
+    for (int32_t bx = 0; bx < area.blocks_x; ++bx, ++at) {
+        if (view.touching[at] == 0 || (!looked_at.empty() && looked_at[at] == 0)) continue;
+        if (!block_is_open(area, work.field, bx, bz)) work.live[at] = 1;
     }
 }
 
@@ -98,7 +106,8 @@ struct RestartBlocks {
     std::vector<uint8_t> tiles;
 };
 
-RestartBlocks restart_blocks(const LandArea& area, const BandGrid& grid, const BandRestart& restart) {
+RestartBlocks restart_blocks(const BandView& view, const BandGrid& grid, const BandRestart& restart) {
+    const LandArea& area = *view.area;
     const bool known = restart.tile_hashes.size() == grid.tile_hashes.size();
     TileMarks blocks;
     blocks.reset(area.nodes_x() - 1, area.nodes_z() - 1);
@@ -112,15 +121,9 @@ RestartBlocks restart_blocks(const LandArea& area, const BandGrid& grid, const B
     out.decided.assign(marks.begin(), marks.end());
     blocks.spread(1);
     out.looked_at.assign(marks.begin(), marks.end());
-    TileMarks nodes;
-    nodes.reset(area.nodes_x(), area.nodes_z());
-    at = 0;
-    for (int32_t bz = 0; bz < area.blocks_z; ++bz)
-        for (int32_t bx = 0; bx < area.blocks_x; ++bx, ++at)
-            if (marks[at] != 0)
-                for (const int32_t z : {bz, bz + 1})
-                    for (const int32_t x : {bx, bx + 1}) nodes.add(x * block_cells, z * block_cells, 1);
-    out.tiles.assign(nodes.tiles().begin(), nodes.tiles().end());
+    for (size_t block = 0; block < out.looked_at.size(); ++block)
+        if (view.touching[block] == 0) marks[block] = 0;
+    out.tiles = tiles_of_blocks(area, marks);
     return out;
 }
 
@@ -148,21 +151,11 @@ LandArea turned(const LandArea& area) {
     return out;
 }
 
-/// Rows to columns, tile by tile, so that both sides stay in the cache.
-std::vector<float> turned(const std::vector<float>& values, size_t nx, size_t nz) {
-    constexpr size_t tile = 32;
-    std::vector<float> out(values.size());
-    for (size_t z0 = 0; z0 < nz; z0 += tile)
-        for (size_t x0 = 0; x0 < nx; x0 += tile)
-            for (size_t x = x0; x < std::min(x0 + tile, nx); ++x)
-                for (size_t z = z0; z < std::min(z0 + tile, nz); ++z) out[x * nz + z] = values[z * nx + x];
-    return out;
-}
-
-template <class Nodes>
-void turn_square(Nodes& nodes) {
-    for (size_t z = 0; z < block_nodes; ++z)
-        for (size_t x = 0; x < z; ++x) std::swap(nodes[z * block_nodes + x], nodes[x * block_nodes + z]);
+void take_touching(TraceInput& in) {
+    for (int32_t bz = 0; bz < in.area.blocks_z; ++bz)
+        for (int32_t bx = 0; bx < in.area.blocks_x; ++bx)
+            in.touching.push_back(block_touches(in.area, bx, bz, in.box) ? 1 : 0);
+    in.touching_tiles = tiles_of_blocks(in.area, in.touching);
 }
 
 }  // namespace
@@ -176,6 +169,7 @@ TraceInput trace_input(const WaveTrainBox& box, const TerrainGrid& terrain, cons
     if (in.area.empty() || in.bands.empty()) return in;
     in.depths = node_depths(in.area, box, terrain, settings.run_up);
     in.tile_depths = tile_minima(in.depths, in.area.nodes_x(), in.area.nodes_z());
+    take_touching(in);
     in.least_depth = *std::min_element(in.tile_depths.begin(), in.tile_depths.end());
     if (std::any_of(in.bands.begin(), in.bands.end(), travels_along_x)) {
         in.turned_area = turned(in.area);
@@ -183,6 +177,11 @@ TraceInput trace_input(const WaveTrainBox& box, const TerrainGrid& terrain, cons
             turned(in.depths, static_cast<size_t>(in.area.nodes_x()), static_cast<size_t>(in.area.nodes_z()));
         in.turned_tile_depths =
             tile_minima(in.turned_depths, in.turned_area.nodes_x(), in.turned_area.nodes_z());
+        const auto blocks_x = static_cast<size_t>(in.area.blocks_x);
+        for (size_t bx = 0; bx < blocks_x; ++bx)
+            for (size_t at = bx; at < in.touching.size(); at += blocks_x)
+                in.turned_touching.push_back(in.touching[at]);
+        in.turned_touching_tiles = tiles_of_blocks(in.turned_area, in.turned_touching);
     }
     in.open_depth = to_metres(-int64_t{terrain.open_sea_depth}) + settings.run_up;
     in.height = significant_height(box);
@@ -198,8 +197,15 @@ DepthResponse response_of(const TraceInput& in, const WaveBand& band) {
 }
 
 BandView TraceInput::view(size_t index) const {
-    if (!travels_along_x(bands[index])) return {false, bands[index], &area, depths, tile_depths};
-    BandView view{true, bands[index], &turned_area, turned_depths, turned_tile_depths};
+    if (!travels_along_x(bands[index]))
+        return {false, bands[index], &area, depths, tile_depths, touching, touching_tiles};
+    BandView view{true,
+                  bands[index],
+                  &turned_area,
+                  turned_depths,
+                  turned_tile_depths,
+                  turned_touching,
+                  turned_touching_tiles};
     std::swap(view.band.dx, view.band.dz);
     return view;
 }
@@ -207,12 +213,8 @@ BandView TraceInput::view(size_t index) const {
 void copy_block_of(LandBlock& block, const TraceInput& in, const BandView& view, const NodeField& field,
                    int32_t bx, int32_t bz) {
     const BlockOffset at = block_in_area(view, bx, bz);
-    copy_block(block, *view.area, field, at.x, at.z);
+    copy_block(block, *view.area, field, at.x, at.z, view.turned);
     block.key = {in.area.first.x + bx, in.area.first.z + bz};
-    if (!view.turned) return;
-    turn_square(block.shift);
-    turn_square(block.gain);
-    if (!field.orbit.empty()) turn_square(block.orbit);
 }
 
 bool block_of_is_open(const BandView& view, const NodeField& field, int32_t bx, int32_t bz) {
@@ -243,11 +245,16 @@ BandOutcome trace_band(const TraceInput& in, size_t index, TraceWorkspace& work,
     march_band(work.grid, area, work.planes, view.band, response, in.settings, out.memory->checkpoints);
     if (work.grid.shift.empty()) return out;
     RestartBlocks blocks;
-    if (restart != nullptr) blocks = restart_blocks(area, work.grid, *restart);
-    fill_node_field(work.field, area, view.depths, view.tile_depths, blocks.tiles, work.grid, table,
-                    in.settings);
-    mark_live(in, view, work, blocks.looked_at);
-    out.growth = limit_growth(work.field, area, work.live, view.band, in.allowed[index]);
+    if (restart != nullptr) blocks = restart_blocks(view, work.grid, *restart);
+    work.live.assign(static_cast<size_t>(area.blocks_x) * static_cast<size_t>(area.blocks_z), 0);
+    GrowthLimit limit(work.field, area, work.live, view.band, in.allowed[index]);
+    fill_node_field(work.field, area, view.depths, view.tile_depths,
+                    restart != nullptr ? std::span<const uint8_t>(blocks.tiles) : view.touching_tiles,
+                    work.grid, table, in.settings, [&](int32_t bz) {
+                        mark_live(view, work, blocks.looked_at, bz);
+                        limit.measure(bz);
+                    });
+    out.growth = limit.limited();
     out.memory->tile_hashes = work.grid.tile_hashes;
     out.decided = std::move(blocks.decided);
     out.touched = true;

@@ -30,6 +30,9 @@ struct BandView {
     const LandArea* area = nullptr;
     std::span<const float> depths;
     std::span<const float> tile_depths;
+    /// Per block, row-major, whether it can touch the box; per tile of nodes, whether such a block has some of them.
+    std::span<const uint8_t> touching;
+    std::span<const uint8_t> touching_tiles;
 };
 
 /// All that the bands of a box have in common.
@@ -44,6 +47,11 @@ struct TraceInput {
     /// tile_minima of either.
     std::vector<float> tile_depths{};
     std::vector<float> turned_tile_depths{};
+    /// BandView::touching and touching_tiles of either.
+    std::vector<uint8_t> touching{};
+    std::vector<uint8_t> touching_tiles{};
+    std::vector<uint8_t> turned_touching{};
+    std::vector<uint8_t> turned_touching_tiles{};
     float least_depth = 0.0F;
     /// Of the open sea, run-up included.
     double open_depth = 0.0;

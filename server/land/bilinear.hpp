@@ -1,5 +1,6 @@
 #pragma once
 #include <algorithm>
+#include <cstddef>
 #include <cstdint>
 #include <cstring>
 
@@ -21,17 +22,32 @@ inline FourFloats shuffled(FourFloats a, FourFloats b) {
 #endif
 }
 
-/// Two pairs of values: first[0], first[1], second[0], second[1].
-inline FourFloats two_pairs(const float* first, const float* second) {
-    using TwoDoubles __attribute__((vector_size(16))) = double;
-    double low = 0.0;
-    double high = 0.0;
-    std::memcpy(&low, first, sizeof low);
-    std::memcpy(&high, second, sizeof high);
-    const TwoDoubles both = {low, high};
-    FourFloats out;
-    std::memcpy(&out, &both, sizeof out);
-    return out;
+/// Eight float32, likewise. Not for arguments and results: how those are passed depends on the machine.
+using EightFloats __attribute__((vector_size(32))) = float;
+using EightInts __attribute__((vector_size(32))) = int32_t;
+
+/// out = elements of a (0 to 7) and b (8 to 15) in another order.
+template <int... order>
+inline void shuffle(const EightFloats& a, const EightFloats& b, EightFloats& out) {
+#if defined(__clang__) || __GNUC__ >= 12
+    out = __builtin_shufflevector(a, b, order...);
+#else
+    out = __builtin_shuffle(a, b, EightInts{order...});
+#endif
+}
+
+/// out = the pairs of values at at(a), at(b), at(c), at(d), one after the other.
+template <class At>
+inline void take_pairs(const At& at, size_t a, size_t b, size_t c, size_t d, EightFloats& out) {
+    using FourDoubles __attribute__((vector_size(32))) = double;
+    const auto pair = [&](size_t i) {
+        double both = 0.0;
+        std::memcpy(&both, at(i), sizeof both);
+        return both;
+    };
+    const FourDoubles pairs = {pair(a), pair(b), pair(c), pair(d)};
+    // Not by memcpy: gcc 12 would send it through memory.
+    out = reinterpret_cast<EightFloats>(pairs);
 }
 
 /// Asks for what the next row reads: oblique rows touch a new page every few points, which no hardware foresees. Harmless beyond the

@@ -67,9 +67,12 @@ double DepthResponse::breaking_gain(double depth) const {
 
 double DepthResponse::share_limit(double depth) const {
     if (depth <= 0.0) return 0.0;
-    const double most = breaking_gain(depth);
-    if (most >= unlimited_gain && kd_per_metre_ * depth >= surely_unbroken) return 1.0;
-    return share_of(most, growth(depth));
+    if (all_passes_from(depth)) return 1.0;
+    return share_of(breaking_gain(depth), growth(depth));
+}
+
+bool DepthResponse::all_passes_from(double depth) const {
+    return breaking_gain(depth) >= unlimited_gain && kd_per_metre_ * depth >= surely_unbroken;
 }
 
 }  // namespace trochoid

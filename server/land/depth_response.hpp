@@ -25,6 +25,8 @@ public:
     double breaking_gain(double depth) const;
     /// Largest share of the open sea's height, before growth, that the depth lets pass: 0 on land, at most 1.
     double share_limit(double depth) const;
+    /// Whether share_limit is surely 1 at this and all greater depths.
+    bool all_passes_from(double depth) const;
     /// The same from the depth's breaking gain and growth.
     static double share_of(double gain, double growth) { return gain >= growth ? 1.0 : gain / growth; }
     /// Whether growth changes below the shallowest depth too.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
 #include "protocol/model/arithmetic_rules.hpp"
 #include "server/land/wide_rows.hpp"
@@ -105,21 +106,40 @@ private:
     std::vector<float> cells_;
 };
 
-class Limiter {
-public:
-    Limiter(NodeField& field, const LandArea& area, std::span<const uint8_t> live, const WaveBand& band)
-        : field_(field), area_(area), live_(live), band_(band), slot_(live.size(), -1) {}
+}  // namespace
 
-    /// Measures all live blocks; returns the largest.
-    float measure(std::vector<float>& blocks, bool with_orbit) const {
-        return measure(blocks, with_orbit, [&](size_t at) { return live_[at] != 0; });
+class GrowthLimiter {
+public:
+    GrowthLimiter(NodeField& field, const LandArea& area, std::span<const uint8_t> live, const WaveBand& band)
+        : field_(field),
+          area_(area),
+          live_(live),
+          band_(band),
+          plain_(field, area, band, false),
+          most_(static_cast<size_t>(area.nodes_x())),
+          slot_(live.size(), -1) {}
+
+    /// Measures a row's live blocks; returns the largest.
+    float measure(std::vector<float>& blocks, int32_t bz) {
+        return measure(plain_, blocks, bz, [&](size_t at) { return live_[at] != 0; });
+    }
+    /// Measures all live blocks with their orbits; returns the largest.
+    float measure_orbits(std::vector<float>& blocks) {
+        CellGrowth growth(field_, area_, band_, true);
+        float largest = 1.0F;
+        for (int32_t bz = 0; bz < area_.blocks_z; ++bz)
+            largest =
+                std::max(largest, measure(growth, blocks, bz, [&](size_t at) { return live_[at] != 0; }));
+        return largest;
     }
     /// Measures again what `lower` may have changed.
-    void measure_lowered(std::vector<float>& blocks, bool with_orbit) const {
+    void measure_lowered(std::vector<float>& blocks, bool with_orbit) {
         std::vector<uint8_t> changed(live_.size(), 0);
         for (const Block& block : above_)
             for_around(block, [&](size_t at, size_t, size_t) { changed[at] = live_[at]; });
-        measure(blocks, with_orbit, [&](size_t at) { return changed[at] != 0; });
+        CellGrowth growth(field_, area_, band_, with_orbit);
+        for (int32_t bz = 0; bz < area_.blocks_z; ++bz)
+            measure(growth, blocks, bz, [&](size_t at) { return changed[at] != 0; });
     }
 
     /// Lowers gains, or orbits down to 1, at the nodes of cells above the limit.
@@ -173,29 +193,26 @@ private:
                      static_cast<size_t>(bz - block.z + 1));
     }
 
-    /// Neighbouring blocks are measured together.
+    /// Neighbouring blocks of a row are measured together.
     template <class Wanted>
-    float measure(std::vector<float>& blocks, bool with_orbit, const Wanted& wanted) const {
-        CellGrowth growth(field_, area_, band_, with_orbit);
-        std::vector<float> most(static_cast<size_t>(area_.nodes_x()));
+    float measure(CellGrowth& growth, std::vector<float>& blocks, int32_t bz, const Wanted& wanted) {
         float largest = 1.0F;
-        for (int32_t bz = 0; bz < area_.blocks_z; ++bz)
-            for (int32_t from = 0; from < area_.blocks_x; ++from) {
-                if (!wanted(index_of({from, bz}))) continue;
-                int32_t to = from + 1;
-                while (to < area_.blocks_x && wanted(index_of({to, bz}))) ++to;
-                const size_t count = static_cast<size_t>(to - from) * block_cells;
-                std::fill_n(most.begin(), count, 1.0F);
-                growth.rows(block_start(area_, from, bz), count,
-                            [&](size_t, const float* cells) { take_larger(most.data(), cells, count); });
-                const float* block = most.data();
-                for (int32_t bx = from; bx < to; ++bx, block += block_cells) {
-                    float& of_block = blocks[index_of({bx, bz})];
-                    of_block = *std::max_element(block, block + block_cells);
-                    largest = std::max(largest, of_block);
-                }
-                from = to;
+        for (int32_t from = 0; from < area_.blocks_x; ++from) {
+            if (!wanted(index_of({from, bz}))) continue;
+            int32_t to = from + 1;
+            while (to < area_.blocks_x && wanted(index_of({to, bz}))) ++to;
+            const size_t count = static_cast<size_t>(to - from) * block_cells;
+            std::fill_n(most_.begin(), count, 1.0F);
+            growth.rows(block_start(area_, from, bz), count,
+                        [&](size_t, const float* cells) { take_larger(most_.data(), cells, count); });
+            const float* block = most_.data();
+            for (int32_t bx = from; bx < to; ++bx, block += block_cells) {
+                float& of_block = blocks[index_of({bx, bz})];
+                of_block = *std::max_element(block, block + block_cells);
+                largest = std::max(largest, of_block);
             }
+            from = to;
+        }
         return largest;
     }
 
@@ -228,13 +245,21 @@ private:
             const size_t n = block_start(area_, block.x, block.z) + z * static_cast<size_t>(area_.nodes_x());
             const bool last_row = z + 1 == block_nodes;
             if (last_row && south) break;
+            // The largest of each node's cells.
+            std::array<float, block_nodes> worst;
+            float most = 0.0F;
             for (size_t x = 0; x < block_nodes; ++x) {
+                const float* const cell = cells.data() + z * padded + x;
+                worst[x] = larger(larger(cell[0], cell[1]), larger(cell[padded], cell[padded + 1]));
+                most = larger(most, worst[x]);
+            }
+            if (most <= limit_square) continue;
+            for (size_t x = 0; x < block_nodes; ++x) {
+                if (worst[x] <= limit_square) continue;
                 const bool last = x + 1 == block_nodes;
                 if (last && (east || (last_row && south_east))) continue;
                 if (last_row && x == 0 && south_west) continue;
-                const float* const cell = cells.data() + z * padded + x;
-                const float worst = larger(larger(cell[0], cell[1]), larger(cell[padded], cell[padded + 1]));
-                if (worst > limit_square) lower_node(n + x, limit_square / worst, orbits);
+                lower_node(n + x, limit_square / worst[x], orbits);
             }
         }
     }
@@ -252,13 +277,13 @@ private:
     const LandArea& area_;
     std::span<const uint8_t> live_;
     const WaveBand& band_;
+    CellGrowth plain_;
+    std::vector<float> most_;
     /// Blocks above the limit, their cells one after the other, and where in those a block's lie (-1: nowhere).
     std::vector<Block> above_;
     std::vector<float> cells_;
     std::vector<int32_t> slot_;
 };
-
-}  // namespace
 
 std::vector<double> growth_allowances(std::span<const WaveBand> bands, std::span<const double> unlimited,
                                       double growth_max) {
@@ -276,22 +301,30 @@ std::vector<double> growth_allowances(std::span<const WaveBand> bands, std::span
     return allowed;
 }
 
-BandGrowth limit_growth(NodeField& field, const LandArea& area, std::span<const uint8_t> live,
-                        const WaveBand& band, double allowed) {
-    BandGrowth result;
-    result.squared.assign(live.size(), 1.0F);
-    Limiter limiter(field, area, live, band);
-    const auto limit_square = static_cast<float>(allowed * allowed);
-    if (limiter.measure(result.squared, false) > limit_square) {
-        result.limited_cells = limiter.lower(result.squared, limit_square, false);
-        if (field.orbit.empty()) limiter.measure_lowered(result.squared, false);
+GrowthLimit::GrowthLimit(NodeField& field, const LandArea& area, std::span<const uint8_t> live,
+                         const WaveBand& band, double allowed)
+    : field_(field),
+      limiter_(std::make_unique<GrowthLimiter>(field, area, live, band)),
+      limit_square_(static_cast<float>(allowed * allowed)) {
+    result_.squared.assign(live.size(), 1.0F);
+}
+
+GrowthLimit::~GrowthLimit() = default;
+
+void GrowthLimit::measure(int32_t bz) {
+    largest_ = std::max(largest_, limiter_->measure(result_.squared, bz));
+}
+
+BandGrowth GrowthLimit::limited() {
+    if (largest_ > limit_square_) {
+        result_.limited_cells = limiter_->lower(result_.squared, limit_square_, false);
+        if (field_.orbit.empty()) limiter_->measure_lowered(result_.squared, false);
     }
-    if (field.orbit.empty()) return result;
-    if (limiter.measure(result.squared, true) > limit_square) {
-        result.limited_cells += limiter.lower(result.squared, limit_square, true);
-        limiter.measure_lowered(result.squared, true);
+    if (!field_.orbit.empty() && limiter_->measure_orbits(result_.squared) > limit_square_) {
+        result_.limited_cells += limiter_->lower(result_.squared, limit_square_, true);
+        limiter_->measure_lowered(result_.squared, true);
     }
-    return result;
+    return std::move(result_);
 }
 
 }  // namespace trochoid

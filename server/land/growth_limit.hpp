@@ -1,5 +1,6 @@
 #pragma once
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -24,10 +25,30 @@ struct BandGrowth {
 std::vector<double> growth_allowances(std::span<const WaveBand> bands, std::span<const double> unlimited,
                                       double growth_max);
 
+class GrowthLimiter;
+
 /// Where shoaling and refraction make the band's waves steeper than `allowed` times open water's, they break: lowers the gains at the
 /// nodes around; where flatter orbits do, lowers the orbits. Nodes in open water stay so, since their neighbours may have
 /// no block. Looks at the blocks marked in `live` (row-major, one a block); all others count as open water.
-BandGrowth limit_growth(NodeField& field, const LandArea& area, std::span<const uint8_t> live,
-                        const WaveBand& band, double allowed);
+class GrowthLimit {
+public:
+    GrowthLimit(NodeField& field, const LandArea& area, std::span<const uint8_t> live, const WaveBand& band,
+                double allowed);
+    ~GrowthLimit();
+    GrowthLimit(const GrowthLimit&) = delete;
+    GrowthLimit& operator=(const GrowthLimit&) = delete;
+
+    /// Every row of blocks once, when its nodes are filled and its live blocks marked.
+    void measure(int32_t bz);
+    /// Lowers what is above the limit; after all rows were measured.
+    BandGrowth limited();
+
+private:
+    const NodeField& field_;
+    std::unique_ptr<GrowthLimiter> limiter_;
+    float limit_square_;
+    float largest_ = 1.0F;
+    BandGrowth result_;
+};
 
 }  // namespace trochoid

@@ -42,6 +42,23 @@ void take_corners(LandArea& area, const WaveTrainBox& box, LatticePoint origin) 
     area.cornered = true;
 }
 
+/// Smallest i >= 0 with first + i * step >= limit, at most `count`.
+int32_t nodes_before(int64_t first, int64_t step, int64_t limit, int32_t count) {
+    if (limit <= first) return 0;
+    return static_cast<int32_t>(std::min<int64_t>((limit - first + step - 1) / step, count));
+}
+
+void depths_of_samples(const int16_t* samples, size_t stride, size_t count, float per_count, float raised,
+                       float* depths) {
+    if (stride == 1) {
+        for (size_t i = 0; i < count; ++i)
+            depths[i] = static_cast<float>(-int32_t{samples[i]}) * per_count + raised;
+        return;
+    }
+    for (size_t i = 0; i < count; ++i)
+        depths[i] = static_cast<float>(-int32_t{samples[i * stride]}) * per_count + raised;
+}
+
 /// Depths of one row of nodes; where nodes are samples of the terrain they are read straight from it.
 void fill_depths(float* row, const LandArea& area, int32_t z, const TerrainGrid& terrain, float raised) {
     const int64_t spacing = int64_t{1} << terrain.spacing_log2;
@@ -49,23 +66,28 @@ void fill_depths(float* row, const LandArea& area, int32_t z, const TerrainGrid&
     const int64_t step = int64_t{1} << area.step_log2;
     const int64_t far_x = terrain.origin_x + (int64_t{terrain.columns} - 1) * spacing;
     const int64_t far_z = terrain.origin_z + (int64_t{terrain.rows} - 1) * spacing;
-    const bool on_samples =
-        area.step_log2 >= terrain.spacing_log2 && first.z >= terrain.origin_z && first.z <= far_z;
-    const int16_t* const samples =
-        on_samples ? terrain.heights.data() +
-                         ((first.z - terrain.origin_z) >> terrain.spacing_log2) * int64_t{terrain.columns}
-                   : nullptr;
-    // Counts to metres: exact, as the division by 2^10 below is (at most 25 bits).
-    const float per_count = static_cast<float>(int32_t{1} << terrain.height_step_log2) / 1024.0F;
-    for (int32_t i = 0; i < area.nodes_x(); ++i) {
-        const int64_t x = first.x + i * step;
-        if (on_samples && x >= terrain.origin_x && x <= far_x) {
-            const int16_t count = samples[(x - terrain.origin_x) >> terrain.spacing_log2];
-            row[i] = static_cast<float>(-int32_t{count}) * per_count + raised;
-        } else {
-            row[i] = static_cast<float>(-height_at(terrain, x, first.z)) / 1024.0F + raised;
-        }
+    // Nodes [from, to) are samples.
+    int32_t from = 0;
+    int32_t to = 0;
+    if (area.step_log2 >= terrain.spacing_log2 && first.z >= terrain.origin_z && first.z <= far_z) {
+        from = nodes_before(first.x, step, terrain.origin_x, area.nodes_x());
+        to = std::max(from, nodes_before(first.x, step, far_x + 1, area.nodes_x()));
     }
+    const auto fill = [&](int32_t i, int32_t end) {
+        for (; i < end; ++i)
+            row[i] = static_cast<float>(-height_at(terrain, first.x + i * step, first.z)) / 1024.0F + raised;
+    };
+    fill(0, from);
+    if (from < to) {
+        const int64_t sample_row = (first.z - terrain.origin_z) >> terrain.spacing_log2;
+        const int64_t column = (first.x + from * step - terrain.origin_x) >> terrain.spacing_log2;
+        // Counts to metres: exact, as the division by 2^10 is (at most 25 bits).
+        const float per_count = static_cast<float>(int32_t{1} << terrain.height_step_log2) / 1024.0F;
+        depths_of_samples(terrain.heights.data() + sample_row * int64_t{terrain.columns} + column,
+                          size_t{1} << (area.step_log2 - terrain.spacing_log2),
+                          static_cast<size_t>(to - from), per_count, raised, row + from);
+    }
+    fill(to, area.nodes_x());
 }
 
 /// Nodes behind the box's rear side (u < 0) are open water.
@@ -75,10 +97,25 @@ void clear_behind(float* row, const LandArea& area, int32_t z, const WaveTrainBo
     const int64_t step = int64_t{1} << area.step_log2;
     const int64_t dz = first.z - box.origin.z;
     if (dz > reach || dz < -reach) return;
-    for (int32_t i = 0; i < area.nodes_x(); ++i) {
-        const int64_t dx = first.x + i * step - box.origin.x;
-        if (dx <= reach && dx >= -reach && dx * box.ux + dz * box.uz < 0) row[i] = deepest_depth;
+    const int64_t first_dx = first.x - box.origin.x;
+    const int32_t from = nodes_before(first_dx, step, -reach, area.nodes_x());
+    const int32_t to = nodes_before(first_dx, step, reach + 1, area.nodes_x());
+    const auto behind = [&](int32_t i) { return (first_dx + i * step) * box.ux + dz * box.uz < 0; };
+    // u climbs or falls all along the row: what is behind lies at one of its ends.
+    int32_t least = from;
+    int32_t most = to;
+    const bool rear_first = box.ux > 0;
+    while (least < most) {
+        const int32_t middle = least + (most - least) / 2;
+        if (behind(middle) == rear_first)
+            least = middle + 1;
+        else
+            most = middle;
     }
+    if (rear_first)
+        std::fill(row + from, row + least, deepest_depth);
+    else if (from < to)
+        std::fill(row + least, row + to, deepest_depth);
 }
 
 }  // namespace

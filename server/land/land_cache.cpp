@@ -31,6 +31,11 @@ uint64_t land_key(const WaveTrainBox& box, uint64_t terrain_hash, const LandSett
 TracedLand LandCache::trace(const WaveTrainBox& box, const TerrainGrid& terrain, uint64_t terrain_hash,
                             FieldId first_field, const LandSettings& settings) {
     const uint64_t key = land_key(box, terrain_hash, settings);
+    if (terrain_hash != terrain_hash_) {
+        entries_.clear();
+        blocks_ = 0;
+        terrain_hash_ = terrain_hash;
+    }
     const auto known =
         std::find_if(entries_.begin(), entries_.end(), [key](const Entry& e) { return e.key == key; });
     if (known != entries_.end()) {
@@ -40,8 +45,12 @@ TracedLand LandCache::trace(const WaveTrainBox& box, const TerrainGrid& terrain,
     }
     ++misses_;
     TracedLand land = trace_land(box, terrain, first_field, settings);
-    entries_.push_front({key, land});
-    if (entries_.size() > capacity_) entries_.pop_back();
+    entries_.push_front({key, land, blocks_of(land)});
+    blocks_ += entries_.front().blocks;
+    while (entries_.size() > capacity_ || (entries_.size() > 1 && blocks_ > most_blocks_)) {
+        blocks_ -= entries_.back().blocks;
+        entries_.pop_back();
+    }
     return land;
 }
 

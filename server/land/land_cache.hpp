@@ -15,11 +15,13 @@ namespace trochoid {
 /// carries is enough.
 uint64_t land_key(const WaveTrainBox& box, uint64_t terrain_hash, const LandSettings& settings);
 
-/// Remembers the latest traces of a process, so that a scene that starts again or a box that comes back is not traced anew.
-/// One owner, one thread.
+/// Remembers the latest traces of a process over one terrain, so that a scene that starts again or a box that comes back is not traced
+/// anew. What was traced over another terrain is forgotten: it does not come back. One owner, one thread.
 class LandCache {
 public:
-    explicit LandCache(size_t capacity = 16) : capacity_(capacity) {}
+    /// At most so many traces, with at most so many land blocks (2.3 KiB each) in all but the latest.
+    explicit LandCache(size_t capacity = 16, size_t most_blocks = size_t{1} << 16)
+        : capacity_(capacity), most_blocks_(most_blocks) {}
     LandCache(const LandCache&) = delete;
     LandCache& operator=(const LandCache&) = delete;
 
@@ -33,8 +35,12 @@ private:
     struct Entry {
         uint64_t key;
         TracedLand land;
+        size_t blocks;
     };
     size_t capacity_;
+    size_t most_blocks_;
+    size_t blocks_ = 0;
+    uint64_t terrain_hash_ = 0;
     /// Latest use first.
     std::list<Entry> entries_;
     uint64_t hits_ = 0;

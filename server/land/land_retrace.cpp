@@ -120,7 +120,7 @@ void compare_blocks(BandChange& change, BandMemory& memory, const TraceInput& in
         for (int32_t bx = 0; bx < in.area.blocks_x; ++bx) {
             const size_t at = block_index(view, bx, bz);
             if (!outcome.decided.empty() && outcome.decided[at] == 0) continue;
-            if (!block_touches(in.area, bx, bz, in.box)) continue;
+            if (view.touching[at] == 0) continue;
             ++change.compared;
             memory.growth[at] = outcome.touched ? outcome.growth.squared[at] : 1.0F;
             const BlockKey key{in.area.first.x + bx, in.area.first.z + bz};
@@ -160,8 +160,7 @@ uint16_t largest_gain(const LandField& field, const LandArea& area) {
     uint16_t most = unit_node_gain;
     for (int32_t z = area.first.z; z < area.first.z + area.blocks_z; ++z)
         for (int32_t x = area.first.x; x < area.first.x + area.blocks_x; ++x)
-            if (const LandBlock* block = field.find({x, z}))
-                for (const uint16_t gain : block->gain) most = std::max(most, gain);
+            if (const LandBlock* block = field.find({x, z})) most = std::max(most, largest_gain(*block));
     return most;
 }
 

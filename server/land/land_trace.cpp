@@ -18,6 +18,7 @@ struct BandResult {
     std::vector<std::shared_ptr<const LandBlock>> blocks;
     std::shared_ptr<const BandMemory> memory;
     float growth = 1.0F;
+    uint16_t gain_max = unit_node_gain;
     LandTraceStats stats;
 };
 
@@ -69,19 +70,17 @@ void add(LandTraceStats& sum, const LandTraceStats& band) {
     sum.live_cells += band.live_cells;
 }
 
-std::vector<std::shared_ptr<const LandBlock>> live_blocks(const TraceInput& in, const BandView& view,
-                                                          const TraceWorkspace& work) {
-    std::vector<std::shared_ptr<const LandBlock>> blocks;
+void take_blocks(BandResult& result, const TraceInput& in, const BandView& view, const TraceWorkspace& work) {
     for (int32_t bz = 0; bz < in.area.blocks_z; ++bz) {
         for (int32_t bx = 0; bx < in.area.blocks_x; ++bx) {
             if (work.live[block_index(view, bx, bz)] == 0 || block_of_is_open(view, work.field, bx, bz))
                 continue;
-            const auto block = std::make_shared<LandBlock>();
+            auto block = std::make_shared<LandBlock>();
             copy_block_of(*block, in, view, work.field, bx, bz);
-            blocks.push_back(block);
+            result.gain_max = std::max(result.gain_max, largest_gain(*block));
+            result.blocks.push_back(std::move(block));
         }
     }
-    return blocks;
 }
 
 BandResult whole_band(const TraceInput& in, size_t index, TraceWorkspace& work) {
@@ -89,7 +88,7 @@ BandResult whole_band(const TraceInput& in, size_t index, TraceWorkspace& work) 
     BandOutcome outcome = trace_band(in, index, work, nullptr);
     if (outcome.touched) {
         const BandView view = in.view(index);
-        result.blocks = live_blocks(in, view, work);
+        take_blocks(result, in, view, work);
         for (const float square : outcome.growth.squared)
             result.growth = std::max(result.growth, std::sqrt(square));
         if (in.with_stats) measure_nodes(*view.area, work, result.stats);
@@ -118,9 +117,7 @@ void take_fields(TracedLand& land, LandMemory& memory, const TraceInput& in, std
         land.fields.push_back(make_land_field(id, in.area.step_log2, result.blocks));
         memory.fields.back() = land.fields.back();
         for (const size_t train : in.bands[i].trains) field_of_train[train] = id;
-        for (const auto& block : result.blocks)
-            land.gain_max =
-                std::max(land.gain_max, *std::max_element(block->gain.begin(), block->gain.end()));
+        land.gain_max = std::max(land.gain_max, result.gain_max);
     }
     take_growth(land, in, growths);
     if (!land.fields.empty()) land.field_of_train = std::move(field_of_train);

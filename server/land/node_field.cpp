@@ -4,6 +4,7 @@
 
 #include "protocol/model/arithmetic_rules.hpp"
 #include "server/land/plane_sampler.hpp"
+#include "server/land/turning.hpp"
 #include "server/land/wide_rows.hpp"
 
 namespace trochoid {
@@ -15,12 +16,15 @@ constexpr int32_t negligible_gain = 1 << 4;
 constexpr int32_t negligible_orbit = 1 << 3;
 
 /// Nearest integer, halves away from zero, for |value| < 2^31.
-inline int32_t nearest(float value) { return static_cast<int32_t>(value + (value < 0.0F ? -0.5F : 0.5F)); }
+inline int32_t nearest(float value) {
+    const float half = value < 0.0F ? -0.5F : 0.5F;
+    return static_cast<int32_t>(value + half);
+}
 
 /// A factor of at least 0 that is one in open water, with one = 2^15 or 2^14.
 inline uint16_t node_factor(float factor, int32_t one, int32_t negligible) {
-    const float scaled = std::min(factor * static_cast<float>(one), 65535.0F);
-    const auto rounded = static_cast<int32_t>(scaled + 0.5F);
+    const float raised = std::min(factor * static_cast<float>(one), 65535.0F) + 0.5F;
+    const auto rounded = static_cast<int32_t>(raised);
     const int32_t off = rounded - one;
     const int32_t apart = off < 0 ? -off : off;
     return static_cast<uint16_t>(apart <= negligible ? one : rounded);
@@ -83,36 +87,33 @@ public:
         }
     }
 
+    /// In order of z.
     void fill(int32_t z) {
-        if (!wanted_.empty()) {
-            const auto row =
-                wanted_.subspan(static_cast<size_t>(z >> TileMarks::side_log2) * tiles_x_, tiles_x_);
-            if (std::find(row.begin(), row.end(), uint8_t{1}) == row.end()) return;
-        }
+        if (z % TileMarks::side == 0) find_runs(z);
+        if (runs_.empty()) return;
         const int32_t nx = area_.nodes_x();
         const size_t start = static_cast<size_t>(z) * static_cast<size_t>(nx);
         const ObliqueRow points = points_of(z);
         IndexRange held{0, nx};
         held = indices_inside(held, points.z, points.dz, int64_t{grid_.rows - grid_.first_row - 1} << 32);
         held = indices_inside(held, points.x, points.dx, int64_t{grid_.columns - 1} << 32);
-        open_water(start, {0, held.from});
-        open_water(start, {held.to, nx});
         const double beyond_z =
             beyond(static_cast<double>(z) * area_.step(), area_.belt_min_z, area_.belt_max_z);
         const bool fades = beyond_z > 0.0 || any_beyond_x_;
-        for (IndexRange run = first_run(held, points, z); run.from < held.to;
-             run = next_run(run, held, points, z)) {
-            const uint8_t marks = marks_of(run.from, points, z);
-            if (marks == unwanted) continue;
-            if (marks == 0) {
-                open_water(start, run);
+        for (const Run& run : runs_) {
+            const IndexRange inside{std::clamp(held.from, run.nodes.from, run.nodes.to),
+                                    std::clamp(held.to, run.nodes.from, run.nodes.to)};
+            if (run.marks == 0 || inside.from >= inside.to) {
+                open_water(start, run.nodes);
                 continue;
             }
-            resample(run, points, marks);
-            if (fades) fade(run, beyond_z);
-            look_up(start, run, marks);
-            if (!field_.orbit.empty()) put_orbits(start, run, fades);
-            put(start, run);
+            open_water(start, {run.nodes.from, inside.from});
+            open_water(start, {inside.to, run.nodes.to});
+            resample(inside, points, run.marks);
+            if (fades) fade(inside, beyond_z);
+            look_up(start, inside, run.marks);
+            if (!field_.orbit.empty()) put_orbits(start, inside, fades);
+            put(start, inside);
         }
     }
 
@@ -120,7 +121,12 @@ private:
     /// Beside those of the grid: the tile has nodes that depth changes, and such where waves may break.
     static constexpr uint8_t grows = 4;
     static constexpr uint8_t breaks = 8;
-    static constexpr uint8_t unwanted = 16;
+
+    /// Neighbouring tiles with the same marks.
+    struct Run {
+        IndexRange nodes;
+        uint8_t marks;
+    };
 
     /// The row's nodes on the grid.
     ObliqueRow points_of(int32_t z) const {
@@ -129,31 +135,40 @@ private:
                 to_q32(-grid_.dz), to_q32(grid_.dx / grid_.row_step)};
     }
 
-    /// Of the nodes from x to the end of its tile.
-    uint8_t marks_of(int32_t x, const ObliqueRow& points, int32_t z) const {
-        const size_t tile = static_cast<size_t>(z >> TileMarks::side_log2) * tiles_x_ +
-                            static_cast<size_t>(x >> TileMarks::side_log2);
-        if (!wanted_.empty() && wanted_[tile] == 0) return unwanted;
+    /// The wanted tiles of the row of tiles that begins with node row z.
+    void find_runs(int32_t z) {
+        runs_.clear();
+        const ObliqueRow north = points_of(z);
+        const ObliqueRow south = points_of(std::min(z + TileMarks::side, area_.nodes_z()) - 1);
+        const auto tile_row = static_cast<size_t>(z >> TileMarks::side_log2) * tiles_x_;
+        for (size_t tile = 0; tile < tiles_x_; ++tile) {
+            if (wanted_[tile_row + tile] == 0) continue;
+            const auto from = static_cast<int32_t>(tile) * TileMarks::side;
+            const int32_t to = std::min(from + TileMarks::side, area_.nodes_x());
+            const uint8_t marks = marks_of(tile_row + tile, {from, to}, north, south);
+            if (!runs_.empty() && runs_.back().nodes.to == from && runs_.back().marks == marks)
+                runs_.back().nodes.to = to;
+            else
+                runs_.push_back({{from, to}, marks});
+        }
+    }
+    uint8_t marks_of(size_t tile, IndexRange nodes, const ObliqueRow& north, const ObliqueRow& south) const {
         const float depth = tile_depths_[tile];
         uint8_t marks = 0;
         if (depth < table_.untouched()) marks |= grows;
         if (depth < table_.breaking()) marks |= breaks;
         // Where rows are closer together than nodes, a tile's nodes reach farther than its marks.
         if (grid_.row_step < 1.0) return marks | BandGrid::shifts | BandGrid::shelters;
-        return marks | grid_.marks.at(points.x_of(x), points.z_of(x));
-    }
-    IndexRange first_run(IndexRange held, const ObliqueRow& points, int32_t z) const {
-        return next_run({held.from, held.from}, held, points, z);
-    }
-    /// The tiles after a run that have the same marks.
-    IndexRange next_run(IndexRange before, IndexRange held, const ObliqueRow& points, int32_t z) const {
-        IndexRange run{before.to, before.to};
-        if (run.from >= held.to) return run;
-        const uint8_t marks = marks_of(run.from, points, z);
-        do run.to = (run.to / TileMarks::side + 1) * TileMarks::side;
-        while (run.to < held.to && marks_of(run.to, points, z) == marks);
-        run.to = std::min(run.to, held.to);
-        return run;
+        // No node of the tile is farther from the nearest of its corners than the marks are spread.
+        const auto add = [&](const ObliqueRow& points, int32_t x) {
+            marks |= grid_.marks.at(std::clamp(points.x_of(x), 0, grid_.columns - 1),
+                                    std::clamp(points.z_of(x), 0, grid_.rows - grid_.first_row - 1));
+        };
+        add(north, nodes.from);
+        add(north, nodes.to - 1);
+        add(south, nodes.from);
+        add(south, nodes.to - 1);
+        return marks;
     }
 
     /// Shift and shelter of nodes that the grid holds.
@@ -243,18 +258,23 @@ private:
     std::vector<float> part_;
     std::vector<float> gain_;
     PlaneSampler sampler_;
+    std::vector<Run> runs_;
 };
 
 }  // namespace
 
 void fill_node_field(NodeField& field, const LandArea& area, std::span<const float> depths,
                      std::span<const float> tile_depths, std::span<const uint8_t> wanted,
-                     const BandGrid& grid, const DepthTable& table, const LandSettings& settings) {
+                     const BandGrid& grid, const DepthTable& table, const LandSettings& settings,
+                     const std::function<void(int32_t bz)>& filled) {
     field.shift.resize(area.nodes());
     field.gain.resize(area.nodes());
     field.orbit.resize(settings.shallow_orbits ? area.nodes() : 0);
     RowFiller filler(field, area, depths, tile_depths, wanted, grid, table, settings);
-    for (int32_t z = 0; z < area.nodes_z(); ++z) filler.fill(z);
+    for (int32_t z = 0; z < area.nodes_z(); ++z) {
+        filler.fill(z);
+        if (z > 0 && z % block_cells == 0) filled(z / block_cells - 1);
+    }
 }
 
 size_t block_start(const LandArea& area, int32_t bx, int32_t bz) {
@@ -289,16 +309,27 @@ bool block_is_open(const LandArea& area, const NodeField& field, int32_t bx, int
     return true;
 }
 
-void copy_block(LandBlock& block, const LandArea& area, const NodeField& field, int32_t bx, int32_t bz) {
-    block.key = {area.first.x + bx, area.first.z + bz};
-    const auto nx = static_cast<std::ptrdiff_t>(area.nodes_x());
-    auto from = static_cast<std::ptrdiff_t>(block_start(area, bx, bz));
-    for (std::ptrdiff_t to = 0; to < block_nodes * block_nodes; to += block_nodes, from += nx) {
-        std::copy_n(field.shift.begin() + from, block_nodes, block.shift.begin() + to);
-        std::copy_n(field.gain.begin() + from, block_nodes, block.gain.begin() + to);
-        if (!field.orbit.empty())
-            std::copy_n(field.orbit.begin() + from, block_nodes, block.orbit.begin() + to);
-    }
+void copy_block(LandBlock& block, const LandArea& area, const NodeField& field, int32_t bx, int32_t bz,
+                bool turned) {
+    const auto nx = static_cast<size_t>(area.nodes_x());
+    const size_t start = block_start(area, bx, bz);
+    const auto copy = [&](const auto& from, auto& to) {
+        if (turned) {
+            turn_block(from.data() + start, nx, to.data());
+            return;
+        }
+        for (size_t z = 0; z < block_nodes; ++z)
+            std::copy_n(from.data() + start + z * nx, block_nodes, to.data() + z * block_nodes);
+    };
+    copy(field.shift, block.shift);
+    copy(field.gain, block.gain);
+    if (!field.orbit.empty()) copy(field.orbit, block.orbit);
+}
+
+TROCHOID_WIDE_ROWS uint16_t largest_gain(const LandBlock& block) {
+    uint16_t most = 0;
+    for (size_t n = 0; n < block_nodes * block_nodes; ++n) most = block.gain[n] > most ? block.gain[n] : most;
+    return most;
 }
 
 }  // namespace trochoid

@@ -1,5 +1,6 @@
 #pragma once
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -21,10 +22,12 @@ struct NodeField {
 /// The marched band at the nodes that the grid holds; all others read open water. Gain = shelter * growth, at most what breaking
 /// leaves, with the node's own depth: exactly 0 on land. Beyond the terrain's belt shift, shelter and orbit fade to the open
 /// sea's over the run-out. A node within 2^-10 turn and 2^-11 of gain of open water is open water.
-/// `tile_depths` are the depths' tile_minima; `wanted` tells which tiles are filled, the others keep what they hold (empty: all are).
+/// `tile_depths` are the depths' tile_minima; `wanted` tells which tiles are filled, the others keep what they hold.
+/// `filled` is called for every row of blocks, in order, as soon as its nodes are there and while they are in the cache.
 void fill_node_field(NodeField& field, const LandArea& area, std::span<const float> depths,
                      std::span<const float> tile_depths, std::span<const uint8_t> wanted,
-                     const BandGrid& grid, const DepthTable& table, const LandSettings& settings);
+                     const BandGrid& grid, const DepthTable& table, const LandSettings& settings,
+                     const std::function<void(int32_t bz)>& filled);
 
 /// First node of a block in an area.
 size_t block_start(const LandArea& area, int32_t bx, int32_t bz);
@@ -35,7 +38,11 @@ bool block_touches(const LandArea& area, int32_t bx, int32_t bz, const WaveTrain
 /// Whether a block of the field reads open water at all nodes.
 bool block_is_open(const LandArea& area, const NodeField& field, int32_t bx, int32_t bz);
 
-/// Copies a block out.
-void copy_block(LandBlock& block, const LandArea& area, const NodeField& field, int32_t bx, int32_t bz);
+/// Copies a block's nodes out; `turned`: rows to columns.
+void copy_block(LandBlock& block, const LandArea& area, const NodeField& field, int32_t bx, int32_t bz,
+                bool turned);
+
+/// Largest gain of a block.
+uint16_t largest_gain(const LandBlock& block);
 
 }  // namespace trochoid

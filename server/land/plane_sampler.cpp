@@ -29,6 +29,42 @@ TROCHOID_WIDE_ROWS void place_points(const ObliqueRow& row, size_t from, size_t 
     }
 }
 
+TROCHOID_WIDE_ROWS void sample_points(const float* __restrict plane, size_t pitch,
+                                      const int32_t* __restrict index, const float* __restrict fx,
+                                      const float* __restrict fz, size_t count, float* __restrict out) {
+    const float* const plane_south = plane + pitch;
+    size_t j = 0;
+    for (; j + 8 <= count; j += 8) {
+        const auto north = [&](size_t i) { return plane + index[j + i]; };
+        const auto south = [&](size_t i) { return plane_south + index[j + i]; };
+        prefetch(south(3) + pitch);
+        prefetch(south(7) + pitch);
+        // In halves of four values: points 0, 1 and 4, 5; points 2, 3 and 6, 7.
+        EightFloats near;
+        EightFloats far;
+        EightFloats part;
+        EightFloats down;
+        std::memcpy(&down, fz + j, sizeof down);
+        take_pairs(north, 0, 1, 4, 5, near);
+        take_pairs(south, 0, 1, 4, 5, far);
+        shuffle<0, 0, 1, 1, 4, 4, 5, 5>(down, down, part);
+        const EightFloats a = near + (far - near) * part;
+        take_pairs(north, 2, 3, 6, 7, near);
+        take_pairs(south, 2, 3, 6, 7, far);
+        shuffle<2, 2, 3, 3, 6, 6, 7, 7>(down, down, part);
+        const EightFloats b = near + (far - near) * part;
+        EightFloats west;
+        EightFloats east;
+        EightFloats across;
+        shuffle<0, 2, 8, 10, 4, 6, 12, 14>(a, b, west);
+        shuffle<1, 3, 9, 11, 5, 7, 13, 15>(a, b, east);
+        std::memcpy(&across, fx + j, sizeof across);
+        const EightFloats value = west + (east - west) * across;
+        std::memcpy(out + j, &value, sizeof value);
+    }
+    for (; j < count; ++j) out[j] = value_at(plane + index[j], plane_south + index[j], fx[j], fz[j]);
+}
+
 }  // namespace
 
 void PlaneSampler::place(const ObliqueRow& row, IndexRange inside, size_t pitch) {
@@ -44,33 +80,9 @@ void PlaneSampler::place(const ObliqueRow& row, IndexRange inside, size_t pitch)
 }
 
 void PlaneSampler::sample(const float* plane, IndexRange range, float* out) const {
-    const int32_t* const index = index_.data();
-    const float* const fx = fx_.data();
-    const float* const fz = fz_.data();
-    const auto to = static_cast<size_t>(range.to);
-    auto j = static_cast<size_t>(range.from);
-    for (; j + 4 <= to; j += 4) {
-        const float* const a = plane + index[j];
-        const float* const b = plane + index[j + 1];
-        const float* const c = plane + index[j + 2];
-        const float* const d = plane + index[j + 3];
-        prefetch(d + 2 * pitch_);
-        FourFloats across;
-        FourFloats down;
-        std::memcpy(&across, fx + j, sizeof across);
-        std::memcpy(&down, fz + j, sizeof down);
-        const FourFloats north_ab = two_pairs(a, b);
-        const FourFloats north_cd = two_pairs(c, d);
-        const FourFloats south_ab = two_pairs(a + pitch_, b + pitch_);
-        const FourFloats south_cd = two_pairs(c + pitch_, d + pitch_);
-        const FourFloats ab = north_ab + (south_ab - north_ab) * shuffled<0, 0, 1, 1>(down, down);
-        const FourFloats cd = north_cd + (south_cd - north_cd) * shuffled<2, 2, 3, 3>(down, down);
-        const FourFloats west = shuffled<0, 2, 4, 6>(ab, cd);
-        const FourFloats east = shuffled<1, 3, 5, 7>(ab, cd);
-        const FourFloats value = west + (east - west) * across;
-        std::memcpy(out + j, &value, sizeof value);
-    }
-    for (; j < to; ++j) out[j] = value_at(plane + index[j], plane + index[j] + pitch_, fx[j], fz[j]);
+    const auto from = static_cast<size_t>(range.from);
+    sample_points(plane, pitch_, index_.data() + from, fx_.data() + from, fz_.data() + from,
+                  static_cast<size_t>(range.to - range.from), out + from);
 }
 
 void PlaneSampler::sample_solid(const float* plane, IndexRange range, float* out) const {

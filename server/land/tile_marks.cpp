@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "protocol/model/arithmetic_rules.hpp"
+#include "server/land/wide_rows.hpp"
 
 namespace trochoid {
 
@@ -28,19 +29,28 @@ void TileMarks::spread(uint8_t mark) {
         }
 }
 
+namespace {
+
+TROCHOID_WIDE_ROWS void take_smaller(float* __restrict least, const float* __restrict values, size_t count) {
+    for (size_t x = 0; x < count; ++x) least[x] = values[x] < least[x] ? values[x] : least[x];
+}
+
+}  // namespace
+
 std::vector<float> tile_minima(std::span<const float> values, int32_t nx, int32_t nz) {
     TileMarks shape;
     shape.reset(nx, nz);
-    const auto tiles_x = static_cast<size_t>(shape.tiles_x());
-    std::vector<float> least(shape.tiles().size(), std::numeric_limits<float>::infinity());
-    for (int32_t z = 0; z < nz; ++z) {
-        const float* const row = values.data() + static_cast<size_t>(z) * static_cast<size_t>(nx);
-        float* const to = least.data() + static_cast<size_t>(z >> TileMarks::side_log2) * tiles_x;
-        for (size_t tile = 0; tile < tiles_x; ++tile) {
-            const size_t first = tile * TileMarks::side;
-            const size_t last = std::min(first + TileMarks::side, static_cast<size_t>(nx));
-            for (size_t x = first; x < last; ++x) to[tile] = std::min(to[tile], row[x]);
-        }
+    const auto width = static_cast<size_t>(nx);
+    std::vector<float> least;
+    least.reserve(shape.tiles().size());
+    std::vector<float> columns(width);
+    for (int32_t z0 = 0; z0 < nz; z0 += TileMarks::side) {
+        std::fill(columns.begin(), columns.end(), std::numeric_limits<float>::infinity());
+        for (int32_t z = z0; z < std::min(z0 + TileMarks::side, nz); ++z)
+            take_smaller(columns.data(), values.data() + static_cast<size_t>(z) * width, width);
+        for (size_t x = 0; x < width; x += TileMarks::side)
+            least.push_back(
+                *std::min_element(columns.data() + x, columns.data() + std::min(x + TileMarks::side, width)));
     }
     return least;
 }

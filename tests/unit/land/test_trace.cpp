@@ -239,6 +239,9 @@ TEST(Trace, MarchEqualsItsScalarTwinWhereDepthIsAlikeAcross) {
     ASSERT_TRUE(view.turned);
     const double open = in.bands[0].turns_per_metre * 32.0;
     const int32_t z = in.area.nodes_z() / 2;
+    const DepthTable table(response);
+    PhaseDepths phase_depths(*view.area, view.depths, view.band, table);
+    phase_depths.take({0, view.area->nodes_z()}, {z, z + 1});
     Twin twin;
     double before = open;
     size_t land_nodes = 0;
@@ -247,7 +250,7 @@ TEST(Trace, MarchEqualsItsScalarTwinWhereDepthIsAlikeAcross) {
         const auto n =
             static_cast<size_t>(x) * static_cast<size_t>(view.area->nodes_x()) + static_cast<size_t>(z);
         const auto depth = static_cast<double>(view.depths[n]);
-        const double here = open * response.wave_number(static_cast<double>(work.planes.smooth[n]));
+        const double here = open * response.wave_number(static_cast<double>(*phase_depths.at(z, x)));
         twin.shift += 0.5 * (before + here) - open;
         before = here;
         twin.share = std::min({twin.share + 32.0 / settings.recovery, 1.0, response.share_limit(depth)});
