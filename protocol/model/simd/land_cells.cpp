@@ -1,58 +1,49 @@
+#include <bit>
+#include <cstring>
+
 #include "protocol/model/simd/scratch.hpp"
 
 namespace trochoid::simd {
 
 namespace {
 
-uint32_t pair(uint16_t west, uint16_t east) { return uint32_t{west} | (uint32_t{east} << 16); }
-
-void load_cell(const PlannedField& field, int32_t nx, int32_t nz, SpanCells& c, size_t i) {
-    const LandBlock* block = field.find({nx >> 4, nz >> 4});
-    if (block == nullptr) {
-        c.p00[i] = c.p10[i] = c.p01[i] = c.p11[i] = 0;
-        c.gain0[i] = c.gain1[i] = pair(unit_node_gain, unit_node_gain);
-        c.orbit0[i] = c.orbit1[i] = pair(unit_node_orbit, unit_node_orbit);
-        return;
-    }
-    const auto north = static_cast<size_t>((nz & 15) * block_nodes + (nx & 15));
-    const size_t south = north + block_nodes;
-    c.p00[i] = block->shift[north];
-    c.p10[i] = block->shift[north + 1];
-    c.p01[i] = block->shift[south];
-    c.p11[i] = block->shift[south + 1];
-    c.gain0[i] = pair(block->gain[north], block->gain[north + 1]);
-    c.gain1[i] = pair(block->gain[south], block->gain[south + 1]);
-    c.orbit0[i] = pair(block->orbit[north], block->orbit[north + 1]);
-    c.orbit1[i] = pair(block->orbit[south], block->orbit[south + 1]);
+/// A node and its neighbour in the east, in one load: west in the low half.
+uint32_t pair_at(const uint16_t* west) {
+    uint32_t both = 0;
+    std::memcpy(&both, west, sizeof both);
+    return std::endian::native == std::endian::big ? std::rotl(both, 16) : both;
 }
 
-void copy_cell(SpanCells& c, size_t i) {
-    const size_t from = i - 1;
-    c.p00[i] = c.p00[from];
-    c.p10[i] = c.p10[from];
-    c.p01[i] = c.p01[from];
-    c.p11[i] = c.p11[from];
-    c.gain0[i] = c.gain0[from];
-    c.gain1[i] = c.gain1[from];
-    c.orbit0[i] = c.orbit0[from];
-    c.orbit1[i] = c.orbit1[from];
+void load_cell(const LandBlock& block, size_t north, SpanCells& c, size_t i) {
+    const size_t south = north + block_nodes;
+    std::memcpy(&c.shift0[2 * i], &block.shift[north], 2 * sizeof(int32_t));
+    std::memcpy(&c.shift1[2 * i], &block.shift[south], 2 * sizeof(int32_t));
+    c.gain0[i] = pair_at(&block.gain[north]);
+    c.gain1[i] = pair_at(&block.gain[south]);
+    c.orbit0[i] = pair_at(&block.orbit[north]);
+    c.orbit1[i] = pair_at(&block.orbit[south]);
+}
+
+/// Calls look(i) for each point whose cell is not the one that was looked up last.
+template <class Look>
+void each_new_cell(const SpanPlaces& at, const SpanCells& c, Look look) {
+    if (c.version != 0 && c.version + 1 == at.version)
+        for (size_t k = 0; k < static_cast<size_t>(at.changes); ++k) look(at.changed[k]);
+    else
+        for (size_t i = 0; i < at.count; ++i) look(i);
 }
 
 }  // namespace
 
 void load_cells(const PlannedField& field, const SpanPlaces& at, SpanCells& c) {
     if (c.version == at.version) return;
-    const auto refresh = [&](size_t i) {
-        // Along a row most points share their neighbour's cell, which is up to date by now.
-        if (i != 0 && at.column[i] == at.column[i - 1] && at.row[i] == at.row[i - 1])
-            copy_cell(c, i);
-        else
-            load_cell(field, at.column[i], at.row[i], c, i);
-    };
-    if (c.version != 0 && c.version + 1 == at.version)
-        for (size_t k = 0; k < static_cast<size_t>(at.changes); ++k) refresh(at.changed[k]);
+    if (const LandBlock* const* blocks = field.blocks.data(); !field.blocks.empty())
+        each_new_cell(at, c, [&](size_t i) { load_cell(*blocks[at.block[i]], at.node[i], c, i); });
     else
-        for (size_t i = 0; i < at.count; ++i) refresh(i);
+        each_new_cell(at, c, [&](size_t i) {
+            const LandBlock* block = field.field->find({at.column[i] >> 4, at.row[i] >> 4});
+            load_cell(block != nullptr ? *block : open_block(), at.node[i], c, i);
+        });
     c.version = at.version;
 }
 

@@ -11,7 +11,7 @@ namespace {
 
 /// Blocks that a tile may look at to find out that a field has none there.
 constexpr int64_t most_looks = 16;
-/// Blocks of a PlannedField's table.
+/// Blocks of a PlannedLattice.
 constexpr int64_t most_blocks = 1024;
 
 uint32_t low(int64_t v) { return static_cast<uint32_t>(static_cast<uint64_t>(v)); }
@@ -61,35 +61,55 @@ bool has_blocks(const LandField& field) {
     return false;
 }
 
-PlannedField planned(const LandField& field, const LatticeRect& rect) {
+PlannedField planned(const LandField& field, const PlannedLattice& lattice) {
     PlannedField out;
     out.field = &field;
-    const BlockRange range = blocks_touching(rect, field.step_log2());
-    const int64_t columns = int64_t{range.last.x} - range.first.x + 1;
-    const int64_t rows = int64_t{range.last.z} - range.first.z + 1;
-    if (columns > most_blocks || rows > most_blocks || columns * rows > most_blocks) return out;
-    out.first = range.first;
-    out.columns = static_cast<uint32_t>(columns);
-    out.rows = static_cast<uint32_t>(rows);
-    out.blocks.reserve(static_cast<size_t>(columns * rows));
-    for (int32_t z = range.first.z; z <= range.last.z; ++z)
-        for (int32_t x = range.first.x; x <= range.last.x; ++x) out.blocks.push_back(field.find({x, z}));
+    if (lattice.columns == 0) return out;
+    out.everywhere = true;
+    out.blocks.reserve(size_t{lattice.columns} * lattice.rows);
+    for (uint32_t row = 0; row < lattice.rows; ++row)
+        for (uint32_t column = 0; column < lattice.columns; ++column) {
+            const LandBlock* block = field.find({lattice.first.x + static_cast<int32_t>(column),
+                                                 lattice.first.z + static_cast<int32_t>(row)});
+            out.everywhere &= block != nullptr;
+            out.blocks.push_back(block != nullptr ? block : &open_block());
+        }
     return out;
 }
 
 /// Whether some block of the field may touch the rectangle.
-bool may_touch(const PlannedField& field, const LatticeRect& rect) {
+bool may_touch(const PlannedField& field, const PlannedLattice& lattice, const LatticeRect& rect) {
+    if (field.everywhere) return true;
     const BlockRange range = blocks_touching(rect, field.field->step_log2());
     const int64_t columns = int64_t{range.last.x} - range.first.x + 1;
     const int64_t rows = int64_t{range.last.z} - range.first.z + 1;
     if (columns > most_looks || rows > most_looks || columns * rows > most_looks) return true;
     for (int32_t z = range.first.z; z <= range.last.z; ++z)
         for (int32_t x = range.first.x; x <= range.last.x; ++x)
-            if (field.find({x, z}) != nullptr) return true;
+            if (field.blocks.empty() ? field.field->find({x, z}) != nullptr
+                                     : field.blocks[lattice.place({x, z})] != &open_block())
+                return true;
     return false;
 }
 
 }  // namespace
+
+const LandBlock& open_block() {
+    static const LandBlock open = [] {
+        LandBlock block;
+        block.gain.fill(unit_node_gain);
+        return block;
+    }();
+    return open;
+}
+
+PlannedLattice lattice_around(const LatticeRect& rect, int step) {
+    const BlockRange range = blocks_touching(rect, static_cast<uint8_t>(step));
+    const int64_t columns = int64_t{range.last.x} - range.first.x + 1;
+    const int64_t rows = int64_t{range.last.z} - range.first.z + 1;
+    if (columns > most_blocks || rows > most_blocks || columns * rows > most_blocks) return {};
+    return {range.first, static_cast<uint32_t>(columns), static_cast<uint32_t>(rows)};
+}
 
 Plan plan_of(const SeaInstant& sea, LatticePoint origin, int64_t step_x, int64_t step_z,
              const LatticeRect& rect) {
@@ -125,8 +145,11 @@ Plan plan_of(const SeaInstant& sea, LatticePoint origin, int64_t step_x, int64_t
         if (box.uneven) plan_irregular(box);
         if (land)
             for (const auto& field : prepared.fields) {
-                box.fields.push_back(planned(*field, rect));
-                plan.steps |= 1U << field->step_log2();
+                const int step = field->step_log2();
+                PlannedLattice& lattice = plan.lattices[static_cast<size_t>(step - 12)];
+                if ((plan.steps >> step & 1U) == 0) lattice = lattice_around(rect, step);
+                plan.steps |= 1U << step;
+                box.fields.push_back(planned(*field, lattice));
             }
         box.first_field = plan.all_fields;
         plan.all_fields += box.fields.size();
@@ -141,6 +164,9 @@ Plan plan_of(const SeaInstant& sea, LatticePoint origin, int64_t step_x, int64_t
             if (land && field >= 0 && has_blocks(*prepared.fields[static_cast<size_t>(field)]))
                 row.local = 1 + field;
             box.open_rows |= row.local == 0;
+            if (box.runs.empty() || box.runs.back().local != row.local)
+                box.runs.push_back({static_cast<int32_t>(plan.rows.size()), 0, row.local});
+            ++box.runs.back().rows;
             plan.rows.push_back(row);
         }
         plan.boxes.push_back(std::move(box));
@@ -200,29 +226,29 @@ void stretches_of(const Plan& plan, const LatticeRect& rect, std::vector<Stretch
         bool any_field = false;
         if (even)
             for (size_t f = 0; f < box.fields.size(); ++f)
-                if (f >= 63 || may_touch(box.fields[f], rect)) {
+                if (f >= 63 || may_touch(box.fields[f], plan.lattice_of(*box.fields[f].field), rect)) {
                     touched |= uint64_t{1} << std::min<size_t>(f, 63);
                     any_field = true;
                 }
         const auto fast = box.unit_gain ? Stretch::Kind::fast_unit : Stretch::Kind::fast;
-        for (int32_t i = 0; i < box.rows;) {
-            const auto is_fast = [&](int32_t row) {
-                const int32_t local = plan.rows[static_cast<size_t>(box.first_row + row)].local;
-                return even && (local == 0 || !any_field || (touched >> std::min(local - 1, 63) & 1U) == 0);
-            };
-            const bool here = is_fast(i);
-            int32_t end = i + 1;
-            while (end < box.rows && is_fast(end) == here) ++end;
-            Stretch s{here ? fast : Stretch::Kind::general, box.first_row + i, end - i, here ? nullptr : &box,
-                      full};
+        const auto is_fast = [&](const TrainRun& run) {
+            return even &&
+                   (run.local == 0 || !any_field || (touched >> std::min(run.local - 1, 63) & 1U) == 0);
+        };
+        for (size_t r = 0; r < box.runs.size();) {
+            const bool here = is_fast(box.runs[r]);
+            const int32_t first = box.runs[r].first_row;
+            const size_t first_run = r;
+            int32_t rows = 0;
+            for (; r < box.runs.size() && is_fast(box.runs[r]) == here; ++r) rows += box.runs[r].rows;
             if (!out.empty() && here && out.back().kind == fast &&
-                out.back().first_row + out.back().rows == s.first_row)
-                out.back().rows += s.rows;
+                out.back().first_row + out.back().rows == first)
+                out.back().rows += rows;
             else
-                out.push_back(s);
-            i = end;
+                out.push_back({here ? fast : Stretch::Kind::general, first, rows, first_run,
+                               here ? nullptr : &box, full});
         }
-        if (box.wake || box.noise) out.push_back({Stretch::Kind::tail, 0, 0, &box, full});
+        if (box.wake || box.noise) out.push_back({Stretch::Kind::tail, 0, 0, 0, &box, full});
     }
 }
 

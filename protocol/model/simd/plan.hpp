@@ -36,19 +36,34 @@ struct SideRamp {
     float slope = 0.0F;
 };
 
-/// A field with its blocks around the plan's points laid out as a table, where they are few enough.
+/// The blocks around all of a plan's points on the lattice of one step, as fields lay them out in a table.
+struct PlannedLattice {
+    BlockKey first;
+    uint32_t columns = 0;  ///< 0: no field has the step, or its blocks are too many for a table
+    uint32_t rows = 0;
+    /// The blocks' places in a table, row by row, in 32 bits that wrap; every point of the plan has one.
+    uint32_t place(BlockKey key) const {
+        return (static_cast<uint32_t>(key.z) - static_cast<uint32_t>(first.z)) * columns +
+               (static_cast<uint32_t>(key.x) - static_cast<uint32_t>(first.x));
+    }
+};
+PlannedLattice lattice_around(const LatticeRect& rect, int step);
+
+/// A field with its blocks by their PlannedLattice::place.
 struct PlannedField {
     const LandField* field = nullptr;
-    BlockKey first;
-    uint32_t columns = 0;
-    uint32_t rows = 0;
+    /// open_block() where the field has none; empty where they are too many.
     std::vector<const LandBlock*> blocks;
-    /// LandField::find.
-    const LandBlock* find(BlockKey key) const {
-        const uint32_t column = static_cast<uint32_t>(key.x) - static_cast<uint32_t>(first.x);
-        const uint32_t row = static_cast<uint32_t>(key.z) - static_cast<uint32_t>(first.z);
-        return column < columns && row < rows ? blocks[row * columns + column] : field->find(key);
-    }
+    bool everywhere = false;  ///< no place of the table is open water
+};
+/// What a field reads where it has no block, as a block.
+const LandBlock& open_block();
+
+/// Trains of a box that follow each other and are shaped alike.
+struct TrainRun {
+    int32_t first_row = 0;  ///< of the plan's
+    int32_t rows = 0;
+    int32_t local = 0;  ///< TrainRow::local
 };
 
 /// A box of the sea with what does not depend on the point.
@@ -56,6 +71,7 @@ struct PlannedBox {
     const LiveBox* live = nullptr;
     int32_t first_row = 0;
     int32_t rows = 0;
+    std::vector<TrainRun> runs;  ///< its rows, in order
     bool limited = false;
     bool unit_gain = false;  ///< the full envelope is 1
     bool uneven = false;     ///< irregular heights
@@ -83,7 +99,11 @@ struct Plan {
     bool orbits = true;
     size_t most_fields = 0;  ///< of a box
     size_t all_fields = 0;
-    uint32_t steps = 0;  ///< bit n: some field has the step 2^n
+    uint32_t steps = 0;                        ///< bit n: some field has the step 2^n
+    std::array<PlannedLattice, 9> lattices{};  ///< of steps 2^12 to 2^20
+    const PlannedLattice& lattice_of(const LandField& field) const {
+        return lattices[static_cast<size_t>(field.step_log2() - 12)];
+    }
 };
 
 /// Steps: lattice units of a grid step along x and z; 1 for places. Boxes that are still water all over `rect` are left out.
@@ -104,6 +124,7 @@ struct Stretch {
     Kind kind = Kind::fast;
     int32_t first_row = 0;
     int32_t rows = 0;
+    size_t first_run = 0;             ///< general
     const PlannedBox* box = nullptr;  ///< general and tail (wake and noise)
     bool full = false;                ///< general and tail: the box's envelope is full
 };

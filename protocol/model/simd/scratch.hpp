@@ -31,22 +31,28 @@ struct alignas(64) SpanEnvelope {
     SpanOf<float> factor, factor_dx, factor_dz;  ///< irregular heights
 };
 
+/// What the trains of one field need at a vector's points.
+enum class SpanNeeds : uint8_t {
+    nothing,  ///< every gain is 0
+    gain,     ///< no gradient is other than 0, and the horizontal gain is the vertical one
+    all,
+};
+
 /// What shapes the trains of one field (or of none) over a span: SeaInstant's `Local`, one array a value.
 struct alignas(64) SpanLocal {
     SpanOf<uint32_t> shift;
     SpanOf<float> g, gx, gz, gh, ghx, ghz, qx, qz;
-    /// Per vector, by its first point: which of the general loop's terms are needed.
-    SpanOf<uint8_t> needs;
+    /// Per vector, by its first point: what the trains need.
+    SpanOf<SpanNeeds> needs;
 };
-inline constexpr uint8_t needs_gradient = 1;  ///< a gradient of the gain is not 0
-inline constexpr uint8_t needs_orbit = 2;     ///< the horizontal gain differs
-inline constexpr uint8_t needs_bend = 4;      ///< a gradient of the shift is not 0
-inline constexpr uint8_t needs_sum = 8;       ///< some gain is not 0
 
 /// The cells of the points of a span on lattices of one step, and which of them are new.
 struct alignas(64) SpanPlaces {
     SpanOf<int32_t> column, row;
-    SpanOf<uint8_t> changed;  ///< the first `changes` are indices of points
+    SpanOf<uint32_t> block;      ///< PlannedLattice::place, if the lattice has a table
+    SpanOf<uint32_t> node;       ///< the cell's north-west node in its block
+    SpanOf<int32_t> in_x, in_z;  ///< in the cell, Q0.16
+    SpanOf<uint8_t> changed;     ///< the first `changes` are indices of points
     int32_t changes = 0;
     size_t count = 0;      ///< points that are set
     uint32_t version = 0;  ///< grows where a point has come into another cell; 0: never set
@@ -54,7 +60,8 @@ struct alignas(64) SpanPlaces {
 
 /// The nodes around each point of a span in one field; kept while the points stay in their cells.
 struct alignas(64) SpanCells {
-    SpanOf<int32_t> p00, p10, p01, p11;
+    /// Shifts of the west node and of the east node, point by point: rows z and z + 1.
+    std::array<int32_t, 2 * size_t{span_points}> shift0, shift1;
     /// West node in the low half, east node in the high half: rows z and z + 1.
     SpanOf<uint32_t> gain0, gain1, orbit0, orbit1;
     uint32_t version = 0;  ///< that of the places

@@ -110,8 +110,8 @@ inline void start_phases(const Plan& plan, int32_t i0, int32_t j0, int n, Scratc
 template <int parts>
 void sum_row(const GridWork& work, int32_t i0, int32_t j, int n, Scratch& at) {
     const auto last = static_cast<size_t>(n - 1) / lanes * lanes;
-    sum_span<parts>(work.plan, n, at, [&at, last](const Stretch& stretch) HWY_ATTR {
-        PhaseVector* phases = at.phases.data() + stretch.first_row;
+    sum_span<parts>(work.plan, n, at, [&at, last](size_t first_row) HWY_ATTR {
+        PhaseVector* phases = at.phases.data() + first_row;
         return [phases, last](size_t i) HWY_ATTR { return RowPhases{phases, i == last ? 1U : 0U}; };
     });
     finish_row<parts>(work.planes, at.sums,

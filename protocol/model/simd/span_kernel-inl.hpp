@@ -136,10 +136,11 @@ HWY_INLINE void sum_run(size_t first, size_t end, Phase phase, AddTrain add_trai
     }
 }
 
-/// Calls sum(i, phases, acc) for each vector of a span, i its first point. `first`: nothing has been summed yet.
+/// Calls sum(i, phases, acc) for the vectors [begin, end) of a span, i the first point of each. `first`: nothing has been summed yet.
 template <int parts, class MakePhases, class Sum>
-HWY_INLINE void each_vector(bool first, size_t n, SpanSums& sums, const MakePhases& make_phases, Sum sum) {
-    for (size_t i = 0; i < n; i += lanes) {
+HWY_INLINE void each_vector(bool first, size_t begin, size_t end, SpanSums& sums,
+                            const MakePhases& make_phases, Sum sum) {
+    for (size_t i = begin; i < end; i += lanes) {
         Sums acc;
         if (first)
             visit_sums<parts>(acc, sums, [](VecF& v, SpanOf<float>&) HWY_ATTR { v = hn::Zero(df); });
@@ -155,7 +156,7 @@ HWY_INLINE void each_vector(bool first, size_t n, SpanSums& sums, const MakePhas
 template <int parts, bool unit_gain, class MakePhases>
 HWY_NOINLINE void sum_fast(const TrainRow* rows, size_t count, bool first, size_t n, SpanSums& sums,
                            const MakePhases make_phases) {
-    each_vector<parts>(first, n, sums, make_phases, [=](size_t, const auto& phases, Sums& acc) HWY_ATTR {
+    each_vector<parts>(first, 0, n, sums, make_phases, [=](size_t, const auto& phases, Sums& acc) HWY_ATTR {
         sum_run<many_registers>(
             0, count, [&](size_t t) HWY_ATTR { return phases.take(rows[t], t); },
             [&](size_t t, const Wave& wave) HWY_ATTR {
@@ -220,25 +221,6 @@ HWY_INLINE void add_shaped(const TrainRow& row, const Shape& l, VecF qx, VecF qz
     }
 }
 
-/// A run of trains of one field.
-template <int parts, class Phases>
-HWY_INLINE void sum_shaped(const TrainRow* rows, size_t first, size_t end, const Shape& l,
-                           const Phases& phases, Sums& acc) {
-    sum_run<many_registers && parts == sum_newton>(
-        first, end, [&](size_t t) HWY_ATTR { return hn::Add(phases.take(rows[t], t), l.shift); },
-        [&](size_t t, const Wave& wave) HWY_ATTR { add_shaped<parts>(rows[t], l, l.qx, l.qz, wave, acc); });
-}
-
-/// A run whose gain alone varies from point to point: without any gradient.
-template <int parts, class Phases>
-HWY_INLINE void sum_gained(const TrainRow* rows, size_t first, size_t end, const Shape& l,
-                           const Phases& phases, Sums& acc) {
-    sum_run<many_registers>(
-        first, end, [&](size_t t) HWY_ATTR { return hn::Add(phases.take(rows[t], t), l.shift); },
-        [&](size_t t, const Wave& wave)
-            HWY_ATTR { add_ready<parts>(rows[t], mul(l.g, wave.sine), mul(l.g, wave.cosine), acc); });
-}
-
 /// round_shift of a train: what it adds to the phase and to its gradient.
 HWY_INLINE void bend_round(const PlannedBox& box, const SpanEnvelope& e, const TrainRow& row, size_t i,
                            VecU& phase, VecF& qx, VecF& qz) {
@@ -254,51 +236,81 @@ HWY_INLINE void bend_round(const PlannedBox& box, const SpanEnvelope& e, const T
     qz = add(mul(slope, splat(box.ux)), qz);
 }
 
-/// Anything: gains, gradients, land, round waves; by runs of trains of one field.
-template <int parts, class Phases>
-HWY_INLINE void sum_general(const PlannedBox& box, const Scratch& at, const TrainRow* rows, size_t count,
-                            size_t i, const Phases& phases, Sums& acc) {
-    for (size_t first = 0; first < count;) {
-        size_t end = first + 1;
-        while (end < count && rows[end].local == rows[first].local) ++end;
-        const SpanLocal& local = at.locals[static_cast<size_t>(rows[first].local)];
-        const uint8_t needs = local.needs[i];
-        const Shape shape = shape_at(local, i);
-        if (needs == 0) {
-            for (size_t t = first; t < end; ++t) phases.skip(rows[t], t);
-        } else if (box.round) {
-            for (size_t t = first; t < end; ++t) {
-                VecU phase = hn::Add(phases.take(rows[t], t), shape.shift);
-                VecF qx = shape.qx;
-                VecF qz = shape.qz;
-                bend_round(box, at.envelope, rows[t], i, phase, qx, qz);
-                add_shaped<parts>(rows[t], shape, qx, qz, wave_of(phase), acc);
-            }
-        } else if ((needs & (needs_gradient | needs_orbit | needs_bend)) != 0) {
-            sum_shaped<parts>(rows, first, end, shape, phases, acc);
-        } else {
-            sum_gained<parts>(rows, first, end, shape, phases, acc);
-        }
-        first = end;
+/// A run of trains of one field over the vectors [begin, end). Not inlined, as sum_fast is not.
+template <int parts, SpanNeeds needs, class MakePhases>
+HWY_NOINLINE void sum_local(const TrainRow* rows, size_t count, const SpanLocal& local, size_t begin,
+                            size_t end, SpanSums& sums, const MakePhases make_phases) {
+    each_vector<parts>(
+        false, begin, end, sums, make_phases, [&](size_t i, const auto& phases, Sums& acc) HWY_ATTR {
+            const Shape l = shape_at(local, i);
+            const auto phase = [&](size_t t) HWY_ATTR { return hn::Add(phases.take(rows[t], t), l.shift); };
+            if constexpr (needs == SpanNeeds::all)
+                sum_run<(many_registers && parts == sum_newton) || lanes == 16>(
+                    0, count, phase, [&](size_t t, const Wave& wave) HWY_ATTR {
+                        add_shaped<parts>(rows[t], l, l.qx, l.qz, wave, acc);
+                    });
+            else
+                sum_run<many_registers>(0, count, phase, [&](size_t t, const Wave& wave) HWY_ATTR {
+                    add_ready<parts>(rows[t], mul(l.g, wave.sine), mul(l.g, wave.cosine), acc);
+                });
+        });
+}
+
+/// Passes over the vectors [begin, end) of a run.
+template <class MakePhases>
+HWY_INLINE void skip_local(const TrainRow* rows, size_t count, size_t begin, size_t end,
+                           const MakePhases& make_phases) {
+    for (size_t i = begin; i < end; i += lanes) {
+        const auto phases = make_phases(i);
+        for (size_t t = 0; t < count; ++t) phases.skip(rows[t], t);
     }
 }
 
-/// One stretch over a span. `first`: nothing has been summed yet.
+/// A run of trains of a box of round waves.
 template <int parts, class MakePhases>
-HWY_INLINE void sum_stretch(const Plan& plan, const Stretch& stretch, bool first, int n, Scratch& at,
-                            MakePhases make_phases) {
-    const TrainRow* rows = plan.rows.data() + stretch.first_row;
-    const auto count = static_cast<size_t>(stretch.rows);
-    const auto points = static_cast<size_t>(n);
-    if (stretch.kind == Stretch::Kind::fast_unit)
-        sum_fast<parts, true>(rows, count, first, points, at.sums, make_phases);
-    else if (stretch.kind == Stretch::Kind::fast)
-        sum_fast<parts, false>(rows, count, first, points, at.sums, make_phases);
-    else
-        each_vector<parts>(first, points, at.sums, make_phases,
-                           [&](size_t i, const auto& phases, Sums& acc) HWY_ATTR {
-                               sum_general<parts>(*stretch.box, at, rows, count, i, phases, acc);
-                           });
+HWY_NOINLINE void sum_round(const PlannedBox& box, const SpanEnvelope& envelope, const TrainRow* rows,
+                            size_t count, const SpanLocal& local, size_t begin, size_t end, SpanSums& sums,
+                            const MakePhases make_phases) {
+    each_vector<parts>(false, begin, end, sums, make_phases,
+                       [&](size_t i, const auto& phases, Sums& acc) HWY_ATTR {
+                           const Shape l = shape_at(local, i);
+                           for (size_t t = 0; t < count; ++t) {
+                               VecU phase = hn::Add(phases.take(rows[t], t), l.shift);
+                               VecF qx = l.qx;
+                               VecF qz = l.qz;
+                               bend_round(box, envelope, rows[t], i, phase, qx, qz);
+                               add_shaped<parts>(rows[t], l, qx, qz, wave_of(phase), acc);
+                           }
+                       });
+}
+
+/// Anything: gains, gradients, land, round waves; by runs of trains of one field, and in each by vectors of the same needs.
+template <int parts, class PhasesFrom>
+HWY_INLINE void sum_general(const Plan& plan, const PlannedBox& box, const Stretch& stretch, size_t n,
+                            Scratch& at, const PhasesFrom& phases_from) {
+    const int32_t past = stretch.first_row + stretch.rows;
+    for (size_t r = stretch.first_run; r < box.runs.size() && box.runs[r].first_row < past; ++r) {
+        const TrainRun& run = box.runs[r];
+        const auto first_row = static_cast<size_t>(run.first_row);
+        const TrainRow* rows = plan.rows.data() + first_row;
+        const auto count = static_cast<size_t>(run.rows);
+        const SpanLocal& local = at.locals[static_cast<size_t>(run.local)];
+        const auto phases = phases_from(first_row);
+        for (size_t i = 0; i < n;) {
+            const SpanNeeds needs = local.needs[i];
+            size_t end = i + lanes;
+            while (end < n && local.needs[end] == needs) end += lanes;
+            if (needs == SpanNeeds::nothing)
+                skip_local(rows, count, i, end, phases);
+            else if (box.round)
+                sum_round<parts>(box, at.envelope, rows, count, local, i, end, at.sums, phases);
+            else if (needs == SpanNeeds::all)
+                sum_local<parts, SpanNeeds::all>(rows, count, local, i, end, at.sums, phases);
+            else
+                sum_local<parts, SpanNeeds::gain>(rows, count, local, i, end, at.sums, phases);
+            i = end;
+        }
+    }
 }
 
 inline void clear_sums(Scratch& at) {
@@ -308,25 +320,43 @@ inline void clear_sums(Scratch& at) {
                             [i](VecF&, SpanOf<float>& m) HWY_ATTR { hn::Store(hn::Zero(df), df, &m[i]); });
 }
 
-/// All stretches over a span. `phases_of(stretch)` gives what gives a vector's phases.
-template <int parts, class PhasesOf>
-HWY_INLINE void sum_span(const Plan& plan, int n, Scratch& at, PhasesOf phases_of) {
+/// A stretch without land or envelope over a span. `first`: nothing has been summed yet.
+template <int parts, class PhasesFrom>
+HWY_INLINE void sum_open(const Plan& plan, const Stretch& stretch, bool first, int n, Scratch& at,
+                         const PhasesFrom& phases_from) {
+    const auto first_row = static_cast<size_t>(stretch.first_row);
+    const TrainRow* rows = plan.rows.data() + first_row;
+    const auto count = static_cast<size_t>(stretch.rows);
+    const auto points = static_cast<size_t>(n);
+    if (stretch.kind == Stretch::Kind::fast_unit)
+        sum_fast<parts, true>(rows, count, first, points, at.sums, phases_from(first_row));
+    else
+        sum_fast<parts, false>(rows, count, first, points, at.sums, phases_from(first_row));
+}
+
+/// All stretches over a span. `phases_from(row)` gives what gives a vector's phases of the trains from that row on.
+template <int parts, class PhasesFrom>
+HWY_INLINE void sum_span(const Plan& plan, int n, Scratch& at, PhasesFrom phases_from) {
     bool first = true;
     const PlannedBox* shaped = nullptr;
-    place_cells(plan, at);
+    place_cells(plan, at, n);
     for (const Stretch& stretch : at.stretches) {
-        if (stretch.box != nullptr && stretch.box != shaped) {
-            shape_span(plan, *stretch.box, stretch.full, at, n);
-            shaped = stretch.box;
+        if (stretch.box == nullptr) {
+            sum_open<parts>(plan, stretch, first, n, at, phases_from);
+            first = false;
+            continue;
         }
-        if (stretch.kind == Stretch::Kind::tail) {
-            if (first) clear_sums(at);
-            if (stretch.box->wake) add_wake(*stretch.box, at, n);
-            if (stretch.box->noise) add_noise_span(*stretch.box, at, n);
-        } else {
-            sum_stretch<parts>(plan, stretch, first, n, at, phases_of(stretch));
-        }
+        const PlannedBox& box = *stretch.box;
+        if (&box != shaped) shape_span(plan, box, stretch.full, at, n);
+        shaped = &box;
+        if (first) clear_sums(at);
         first = false;
+        if (stretch.kind == Stretch::Kind::general) {
+            sum_general<parts>(plan, box, stretch, static_cast<size_t>(n), at, phases_from);
+        } else {
+            if (box.wake) add_wake(box, at, n);
+            if (box.noise) add_noise_span(box, at, n);
+        }
     }
     if (first) clear_sums(at);
 }

@@ -204,71 +204,98 @@ HWY_INLINE CellVectors interpolate(VecU north, VecU south, VecI fx, VecI fz) {
     return {hn::Add(west, scale16(change, fx)), change, down};
 }
 
+/// A vector's west nodes and its east nodes, which lie in turns.
+struct NodePairs {
+    VecI west, east;
+};
+HWY_INLINE NodePairs load_pairs(const int32_t* from) {
+#if HWY_TARGET == HWY_SCALAR
+    return {hn::Load(di, from), hn::Load(di, from + 1)};
+#else
+    const VecI first = hn::Load(di, from);
+    const VecI second = hn::Load(di, from + lanes);
+    return {hn::ConcatEven(di, second, first), hn::ConcatOdd(di, second, first)};
+#endif
+}
+
 HWY_INLINE LandVectors open_water() {
     const VecF zero = hn::Zero(df);
     return {hn::Zero(du), hn::Set(du, full_gain), zero, zero, zero, zero, splat(1.0F), zero, zero};
 }
 
-HWY_INLINE LandVectors sample_land(const Plan& plan, const LandField& field, const SpanCells& c,
-                                   const Scratch& at, size_t i) {
+/// What steps between nodes are worth on a lattice: its cells' sides turn them into gradients.
+struct LandSteps {
+    float shift, gain, orbit;
+};
+inline LandSteps steps_of(const LandField& field) {
+    const float metres = static_cast<float>(int32_t{1} << (field.step_log2() - 10));
+    return {0x1.921fb6p-14F / metres, 0x1p-23F / metres, 0x1p-22F / metres};
+}
+
+/// `everything`: no layer of the land is switched off.
+template <bool everything>
+HWY_INLINE LandVectors sample_land(const Plan& plan, const LandSteps& steps, const SpanPlaces& places,
+                                   const SpanCells& c, size_t i) {
     LandVectors out = open_water();
-    const int step = field.step_log2();
-    const VecU mask = hn::Set(du, (1U << step) - 1U);
-    const auto in_cell = [&](const SpanOf<uint32_t>& low) HWY_ATTR {
-        const VecU place = hn::And(hn::Load(du, &low[i]), mask);
-        return step >= 16 ? hn::ShiftRightSame(place, step - 16) : hn::ShiftLeftSame(place, 16 - step);
-    };
-    const VecU fx = in_cell(at.x_low);
-    const VecU fz = in_cell(at.z_low);
-    const VecI ix = hn::BitCast(di, fx);
-    const VecI iz = hn::BitCast(di, fz);
-    const float metres = static_cast<float>(int32_t{1} << (step - 10));
-    if (plan.refraction) {
+    const VecI ix = hn::Load(di, &places.in_x[i]);
+    const VecI iz = hn::Load(di, &places.in_z[i]);
+    if (everything || plan.refraction) {
         // Shifts are below 2^30 and steps below 2^23, so every difference fits.
-        const VecI p00 = hn::Load(di, &c.p00[i]);
-        const VecI p01 = hn::Load(di, &c.p01[i]);
-        const VecI east = hn::Sub(hn::Load(di, &c.p10[i]), p00);
-        const VecI south = hn::Sub(p01, p00);
-        const VecI cross = hn::Sub(hn::Sub(hn::Load(di, &c.p11[i]), p01), east);
+        const NodePairs north_edge = load_pairs(&c.shift0[2 * i]);
+        const NodePairs south_edge = load_pairs(&c.shift1[2 * i]);
+        const VecI p00 = north_edge.west;
+        const VecI east = hn::Sub(north_edge.east, p00);
+        const VecI south = hn::Sub(south_edge.west, p00);
+        const VecI cross = hn::Sub(hn::Sub(south_edge.east, south_edge.west), east);
         const VecI slope_x = hn::Add(east, scale16(cross, iz));
         const VecI slope_z = hn::Add(south, scale16(cross, ix));
         out.shift = hn::BitCast(
             du, hn::Add(hn::Add(hn::ShiftLeft<16>(p00), hn::Mul(south, iz)), hn::Mul(slope_x, ix)));
-        const VecF per_step = splat(0x1.921fb6p-14F / metres);
-        out.shift_dx = mul(hn::ConvertTo(df, slope_x), per_step);
-        out.shift_dz = mul(hn::ConvertTo(df, slope_z), per_step);
+        out.shift_dx = mul(hn::ConvertTo(df, slope_x), splat(steps.shift));
+        out.shift_dz = mul(hn::ConvertTo(df, slope_z), splat(steps.shift));
     }
-    if (plan.shelter) {
+    if (everything || plan.shelter) {
         const CellVectors gain = interpolate(hn::Load(du, &c.gain0[i]), hn::Load(du, &c.gain1[i]), ix, iz);
         out.gain = hn::BitCast(du, hn::ShiftLeft<1>(gain.value));
-        const VecF per_step = splat(0x1p-23F / metres);
-        out.gain_dx = mul(hn::ConvertTo(df, gain.east), per_step);
-        out.gain_dz = mul(hn::ConvertTo(df, gain.south), per_step);
+        out.gain_dx = mul(hn::ConvertTo(df, gain.east), splat(steps.gain));
+        out.gain_dz = mul(hn::ConvertTo(df, gain.south), splat(steps.gain));
     }
-    if (plan.orbits) {
+    if (everything || plan.orbits) {
         const CellVectors orbit = interpolate(hn::Load(du, &c.orbit0[i]), hn::Load(du, &c.orbit1[i]), ix, iz);
         out.orbit = mul(hn::ConvertTo(df, orbit.value), splat(0x1p-22F));
-        const VecF per_step = splat(0x1p-22F / metres);
-        out.orbit_dx = mul(hn::ConvertTo(df, orbit.east), per_step);
-        out.orbit_dz = mul(hn::ConvertTo(df, orbit.south), per_step);
+        out.orbit_dx = mul(hn::ConvertTo(df, orbit.east), splat(steps.orbit));
+        out.orbit_dz = mul(hn::ConvertTo(df, orbit.south), splat(steps.orbit));
     }
     return out;
 }
 
-/// SeaInstant's `combine`.
+HWY_INLINE bool all_zero(VecF bits) { return hn::AllTrue(du, hn::Eq(hn::BitCast(du, bits), hn::Zero(du))); }
+
+/// SeaInstant's `combine`. `plain`: the box's envelope is 1 everywhere, and its heights are even.
+template <bool plain>
 HWY_INLINE void combine(const PlannedBox& box, const SpanEnvelope& e, const LandVectors& land, SpanLocal& out,
                         size_t i) {
-    const VecU box_gain_bits = hn::Load(du, &e.gain[i]);
-    VecF g = gain_to_float(mul_shift<24>(box_gain_bits, land.gain));
-    const VecF box_gain = gain_to_float(box_gain_bits);
-    const VecF land_gain = gain_to_float(land.gain);
-    VecF gx = add(mul(hn::Load(df, &e.dx[i]), land_gain), mul(box_gain, land.gain_dx));
-    VecF gz = add(mul(hn::Load(df, &e.dz[i]), land_gain), mul(box_gain, land.gain_dz));
-    if (box.uneven) {
-        const VecF factor = hn::Load(df, &e.factor[i]);
-        gx = add(mul(gx, factor), mul(g, hn::Load(df, &e.factor_dx[i])));
-        gz = add(mul(gz, factor), mul(g, hn::Load(df, &e.factor_dz[i])));
-        g = mul(g, factor);
+    VecF g;
+    VecF gx;
+    VecF gz;
+    if constexpr (plain) {
+        // What is left of the products and sums below, to the bit: no gradient of the land is -0.
+        g = gain_to_float(land.gain);
+        gx = land.gain_dx;
+        gz = land.gain_dz;
+    } else {
+        const VecU box_gain_bits = hn::Load(du, &e.gain[i]);
+        g = gain_to_float(mul_shift<24>(box_gain_bits, land.gain));
+        const VecF box_gain = gain_to_float(box_gain_bits);
+        const VecF land_gain = gain_to_float(land.gain);
+        gx = add(mul(hn::Load(df, &e.dx[i]), land_gain), mul(box_gain, land.gain_dx));
+        gz = add(mul(hn::Load(df, &e.dz[i]), land_gain), mul(box_gain, land.gain_dz));
+        if (box.uneven) {
+            const VecF factor = hn::Load(df, &e.factor[i]);
+            gx = add(mul(gx, factor), mul(g, hn::Load(df, &e.factor_dx[i])));
+            gz = add(mul(gz, factor), mul(g, hn::Load(df, &e.factor_dz[i])));
+            g = mul(g, factor);
+        }
     }
     const VecF gh = mul(g, land.orbit);
     const VecF ghx = add(mul(gx, land.orbit), mul(g, land.orbit_dx));
@@ -282,60 +309,85 @@ HWY_INLINE void combine(const PlannedBox& box, const SpanEnvelope& e, const Land
     hn::Store(ghz, df, &out.ghz[i]);
     hn::Store(land.shift_dx, df, &out.qx[i]);
     hn::Store(land.shift_dz, df, &out.qz[i]);
-    const auto any = [&](VecF a, VecF b) HWY_ATTR {
-        return !hn::AllTrue(df, hn::And(hn::Eq(a, hn::Zero(df)), hn::Eq(b, hn::Zero(df))));
-    };
-    uint8_t needs = 0;
-    if (any(gx, gz) || any(ghx, ghz)) needs |= needs_gradient;
-    if (!hn::AllTrue(df, hn::Eq(g, gh))) needs |= needs_orbit;
-    if (any(land.shift_dx, land.shift_dz)) needs |= needs_bend;
-    if (needs != 0 || any(g, g)) needs |= needs_sum;
-    out.needs[i] = needs;
+    // By bits: a -0 only costs the time of terms that are 0.
+    const VecF gradients = hn::Or(hn::Or(gx, gz), hn::Or(ghx, ghz));
+    const VecF others = hn::Or(hn::Or(land.shift_dx, land.shift_dz), hn::Xor(g, gh));
+    if (!all_zero(hn::Or(gradients, others)))
+        out.needs[i] = SpanNeeds::all;
+    else
+        out.needs[i] = all_zero(g) ? SpanNeeds::nothing : SpanNeeds::gain;
 }
 
-/// Looks at which points have come into another cell; called once for every evaluation of a span.
-inline void place_cells(const Plan& plan, Scratch& at) {
+/// The first n points' places in their cells, Q0.16, and which of them have come into another cell; called once for every evaluation
+/// of a span. The vectors' other points keep whatever cells they had.
+inline void place_cells(const Plan& plan, Scratch& at, int n) {
+    const auto count = static_cast<size_t>(n);
     for (int step = 12; step <= 20; ++step) {
         if ((plan.steps >> step & 1U) == 0) continue;
         SpanPlaces& p = at.places[static_cast<size_t>(step - 12)];
+        const PlannedLattice& lattice = plan.lattices[static_cast<size_t>(step - 12)];
         alignas(64) SpanOf<int32_t> column;
         alignas(64) SpanOf<int32_t> row;
         int32_t differs = 0;
+        const uint32_t mask = (1U << step) - 1U;
         for (size_t i = 0; i < at.padded; ++i) {
+            p.in_x[i] = static_cast<int32_t>((at.x_low[i] & mask) << 4 >> (step - 12));
+            p.in_z[i] = static_cast<int32_t>((at.z_low[i] & mask) << 4 >> (step - 12));
+        }
+        for (size_t i = 0; i < count; ++i) {
             column[i] = static_cast<int32_t>(at.x[i] >> step);
             row[i] = static_cast<int32_t>(at.z[i] >> step);
             differs |= (column[i] ^ p.column[i]) | (row[i] ^ p.row[i]);
         }
-        const bool known = p.count == at.padded;
+        const bool known = p.count == count;
         if (known && differs == 0) continue;
         p.changes = 0;
-        for (size_t i = 0; i < at.padded; ++i) {
+        for (size_t i = 0; known && i < count; ++i) {
             p.changed[static_cast<size_t>(p.changes)] = static_cast<uint8_t>(i);
             p.changes += column[i] != p.column[i] || row[i] != p.row[i] ? 1 : 0;
         }
-        for (size_t i = 0; i < at.padded; ++i) {
+        for (size_t i = 0; i < count; ++i) {
             p.column[i] = column[i];
             p.row[i] = row[i];
+            p.block[i] = lattice.place({column[i] >> 4, row[i] >> 4});
+            p.node[i] = static_cast<uint32_t>((row[i] & 15) * block_nodes + (column[i] & 15));
         }
         // Of other points than before nothing is known: a step of two makes every field look at all of them.
         p.version += known ? 1 : 2;
-        p.count = at.padded;
+        p.count = count;
+    }
+}
+
+/// The locals of every field of the box. `plain`: as for combine, and no layer of the land is switched off.
+template <bool plain>
+HWY_INLINE void shape_fields(const Plan& plan, const PlannedBox& box, Scratch& at, size_t count) {
+    for (size_t f = 0; f < box.fields.size(); ++f) {
+        const LandField& field = *box.fields[f].field;
+        const LandSteps steps = steps_of(field);
+        const SpanPlaces& places = at.places[static_cast<size_t>(field.step_log2() - 12)];
+        const SpanCells& cells = at.cells[box.first_field + f];
+        SpanLocal& local = at.locals[f + 1];
+        for (size_t i = 0; i < count; i += lanes)
+            combine<plain>(box, at.envelope, sample_land<plain>(plan, steps, places, cells, i), local, i);
     }
 }
 
 /// Envelope, and the locals of open water and of every field of the box.
 inline void shape_span(const Plan& plan, const PlannedBox& box, bool full, Scratch& at, int n) {
-    shape_envelope(box, full, at, n);
     const auto count = static_cast<size_t>(n);
+    // All of them first: vectors that are read right after their points were written one by one would have to wait.
+    for (size_t f = 0; f < box.fields.size(); ++f)
+        load_cells(box.fields[f], at.places[static_cast<size_t>(box.fields[f].field->step_log2() - 12)],
+                   at.cells[box.first_field + f]);
+    shape_envelope(box, full, at, n);
     if (box.open_rows)
-        for (size_t i = 0; i < count; i += lanes) combine(box, at.envelope, open_water(), at.locals[0], i);
-    for (size_t f = 0; f < box.fields.size(); ++f) {
-        const LandField& field = *box.fields[f].field;
-        SpanCells& cells = at.cells[box.first_field + f];
-        load_cells(box.fields[f], at.places[static_cast<size_t>(field.step_log2() - 12)], cells);
         for (size_t i = 0; i < count; i += lanes)
-            combine(box, at.envelope, sample_land(plan, field, cells, at, i), at.locals[f + 1], i);
-    }
+            combine<false>(box, at.envelope, open_water(), at.locals[0], i);
+    const bool everything = plan.refraction && plan.shelter && plan.orbits;
+    if (full && everything && box.live->instant.time_gain == full_gain && !box.uneven)
+        shape_fields<true>(plan, box, at, count);
+    else
+        shape_fields<false>(plan, box, at, count);
 }
 
 }  // namespace trochoid::simd::HWY_NAMESPACE

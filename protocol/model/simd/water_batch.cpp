@@ -54,7 +54,7 @@ void sum_places(const Plan& plan, const LatticePoint* places, const Search& sear
     const auto phases = [x, z](size_t i) HWY_ATTR {
         return PlacePhases{hn::Load(du, x + i), hn::Load(du, z + i)};
     };
-    sum_span<parts>(plan, n, at, [&](const Stretch&) HWY_ATTR { return phases; });
+    sum_span<parts>(plan, n, at, [&](size_t) HWY_ATTR { return phases; });
 }
 
 /// clamp_step and round_half_even of point_query.cpp. The sum with 1.5 * 2^23 rounds in the adder itself.

@@ -168,6 +168,62 @@ TEST_P(OnTarget, PlacesOfRandomSeas) {
     }
 }
 
+/// A field around the origin whose nodes all differ; one block in `holes` is open water, none where that is 0.
+std::shared_ptr<const LandField> rough_field(uint32_t id, uint8_t step, int64_t reach, uint64_t holes) {
+    auto field = std::make_shared<LandField>(FieldId{id}, step);
+    const BlockRange range = blocks_touching({{-reach, -reach}, {reach, reach}}, step);
+    std::mt19937_64 dice(id);
+    for (int32_t bz = range.first.z; bz <= range.last.z; ++bz)
+        for (int32_t bx = range.first.x; bx <= range.last.x; ++bx) {
+            if (holes != 0 && dice() % holes == 0) continue;
+            auto block = std::make_shared<LandBlock>();
+            block->key = {bx, bz};
+            for (size_t i = 0; i < block->shift.size(); ++i) {
+                block->shift[i] = static_cast<int32_t>(dice() % 200'000) - 100'000;
+                block->gain[i] = static_cast<uint16_t>(dice());
+                block->orbit[i] = static_cast<uint16_t>(dice());
+            }
+            field->set(std::move(block));
+        }
+    return field;
+}
+
+/// Six trains in an endless box whose envelope is 1: three of field 1, one of none, two of field 2.
+Sea grown_sea(const std::shared_ptr<const LandField>& first, const std::shared_ptr<const LandField>& second) {
+    WaveTrainBox box;
+    box.id = {1};
+    box.first_train = {1};
+    const uint32_t fields[6] = {1, 1, 1, 0, 2, 2};
+    for (int32_t i = 0; i < 6; ++i) {
+        WaveTrain t;
+        t.kx = 60'000 + 17'001 * i;
+        t.kz = 90'001 - 40'003 * i;
+        t.omega = 2'000'000'000'000ULL + 300'000'000'000ULL * static_cast<unsigned long long>(i);
+        t.phase = 2'654'435'769U * static_cast<uint32_t>(i);
+        t.amplitude = 0.4F - 0.05F * static_cast<float>(i);
+        t.choppiness = 0.6F;
+        t.field = {fields[i]};
+        box.trains.push_back(t);
+    }
+    const std::shared_ptr<const LandField> both[] = {first, second};
+    return Sea({prepare(std::move(box), both)});
+}
+
+TEST_P(OnTarget, FullyGrownBoxOverLand) {
+    // Two lattices, with and without holes; places within a cell, over many blocks, and over more than a plan has a table for.
+    for (const uint64_t holes : {0ULL, 2ULL}) {
+        const Sea sea = grown_sea(rough_field(1, 16, 3'000'000, holes), rough_field(2, 12, 500'000, holes));
+        const SeaInstant instant(sea, {77'000'000});
+        for (const int64_t reach : {2'000, 400'000, 2'500'000, 1'000'000'000})
+            for (const size_t count : {size_t{1}, size_t{17}, size_t{64}, size_t{150}})
+                expect_water(instant, random_places(count, count, {}, reach), 1,
+                             "holes " + std::to_string(holes) + ", reach " + std::to_string(reach));
+        for (const int64_t step : {300, 5'000, 60'001})
+            expect_grid(instant, {{-20 * step, -9 * step}, step, step + 1, 75, 20}, 1,
+                        "grid " + std::to_string(step));
+    }
+}
+
 TEST_P(OnTarget, WantedPlanesAlone) {
     const SeaInstant instant(random_sea(11), {9'000'000});
     const LatticeGrid grid{{-400'000, 100'000}, 5001, 7003, 77, 19};
