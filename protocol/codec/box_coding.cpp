@@ -52,6 +52,8 @@ wire_fb::Wake pack(const ShipWake& w) {
     return {w.transverse, w.diverging, w.choppiness, w.inverse_length, w.group_speed};
 }
 
+wire_fb::Hull pack(const Hull& h) { return {h.length, h.beam}; }
+
 /// A value that says what its absence says is left out.
 template <class Value>
 auto packed_unless_default(const Value& value) {
@@ -90,9 +92,10 @@ flatbuffers::Offset<wire_fb::Box> pack(Builder& builder, const WaveTrainBox& box
     const auto irregular = packed_unless_default(box.irregular);
     const auto noise = packed_unless_default(box.noise);
     const auto wake = packed_unless_default(box.wake);
+    const auto hull = packed_unless_default(box.hull);
     return wire_fb::CreateBox(builder, &head, trains_at, fields_at, field_of_train_at,
                               succeeds ? &succession : nullptr, overlays_at, course_at, pointer(irregular),
-                              pointer(noise), pointer(wake));
+                              pointer(noise), pointer(wake), pointer(hull));
 }
 
 namespace {
@@ -149,6 +152,7 @@ void unpack_extras(const wire_fb::Box& packed, WaveTrainBox& box) {
                      n->period_log2(), n->displayed_only(), n->seed()};
     if (const auto* w = packed.wake())
         box.wake = {w->transverse(), w->diverging(), w->choppiness(), w->inverse_length(), w->group_speed()};
+    if (const auto* h = packed.hull()) box.hull = {h->length(), h->beam()};
 }
 
 }  // namespace

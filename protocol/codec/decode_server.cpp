@@ -176,6 +176,10 @@ BoxSummary unpack_summary(Scrutiny& check, const wire_fb::BoxSummary& s) {
     out.at = check.place("a box's place", s.x(), s.z());
     out.vx = check.finite("a box's vx", s.vx());
     out.vz = check.finite("a box's vz", s.vz());
+    if (const auto* hull = s.hull()) {
+        out.hull = {hull->length(), hull->beam()};
+        check.require(validate(out.hull));
+    }
     return out;
 }
 

@@ -23,9 +23,11 @@ flatbuffers::Offset<wire_fb::TerrainTile> pack(Builder& b, const TerrainTile& t)
 
 flatbuffers::Offset<wire_fb::BoxSummary> pack(Builder& b, const BoxSummary& s) {
     const auto name = b.CreateString(s.name);
+    const wire_fb::Hull hull(s.hull.length, s.hull.beam);
     return wire_fb::CreateBoxSummary(b, s.box.value, name, s.begin.us, s.end.us, s.decay_us, s.trains,
                                      s.significant_height, s.wind_speed, s.towards_degrees, s.gain_now,
-                                     static_cast<wire_fb::BoxKind>(s.kind), s.at.x, s.at.z, s.vx, s.vz);
+                                     static_cast<wire_fb::BoxKind>(s.kind), s.at.x, s.at.z, s.vx, s.vz,
+                                     has_hull(s.hull) ? &hull : nullptr);
 }
 
 wire_fb::Sample pack(const SurfaceSample& s) {

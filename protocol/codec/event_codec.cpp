@@ -6,7 +6,7 @@ namespace trochoid {
 
 namespace {
 
-/// Envelope, body, change, and two tables for each box that goes on.
+/// Envelope, body, up to 64 changes, and two tables for each box that goes on.
 constexpr flatbuffers::uoffset_t most_tables = 4096;
 
 struct EventEncoder {
@@ -44,13 +44,22 @@ struct EventEncoder {
             boxes.push_back(wire_fb::CreateBoxSucceeded(b, s.predecessor.value, box));
         }
         const auto boxes_at = b.CreateVector(boxes);
-        return wire_fb::CreateLandChanged(b, change, boxes_at).Union();
+        if (e.also.empty()) return wire_fb::CreateLandChanged(b, change, boxes_at).Union();
+        std::vector<flatbuffers::Offset<wire_fb::ChangeLand>> also;
+        also.reserve(e.also.size());
+        for (const ChangeLand& next : e.also) also.push_back(pack(b, next));
+        return wire_fb::CreateLandChanged(b, change, boxes_at, b.CreateVector(also)).Union();
     }
 };
 
 LandChanged unpack(Scrutiny& check, const wire_fb::LandChanged& changed) {
     LandChanged out;
     if (const auto* change = check.present("change", changed.change())) out.change = unpack(check, *change);
+    if (const auto* also = check.optional_list("also", changed.also(), most_joined_changes)) {
+        // Empty and absent would be two forms of one event.
+        check.require(also->size() > 0, "also is there, but empty");
+        for (const wire_fb::ChangeLand* next : *also) out.also.push_back(unpack(check, *next));
+    }
     const auto* boxes = check.list("boxes", changed.boxes(), Limits{}.boxes, ErrorCode::too_many_boxes);
     if (boxes == nullptr) return out;
     for (const wire_fb::BoxSucceeded* s : *boxes) {

@@ -86,8 +86,8 @@ inline constexpr float shallowest_reference = 1.0F;   ///< m
 inline constexpr float deepest_reference = 12000.0F;  ///< m
 inline constexpr float slowest_ship = 0.5F;           ///< m/s
 inline constexpr float fastest_ship = 30.0F;
-inline constexpr float longest_ship = 500.0F;    ///< m
-inline constexpr size_t longest_ship_name = 64;  ///< bytes
+inline constexpr float longest_ship = longest_hull;  ///< m
+inline constexpr size_t longest_ship_name = 64;      ///< bytes
 inline constexpr size_t most_line_points = 64;
 
 /// Spectrum that a wind's trains are drawn from (rows B1, C2); `automatic` takes JONSWAP where the fetch limits the sea, else
@@ -291,6 +291,7 @@ struct BoxSummary {
         at;  ///< at the reply's sea time: a ship's place, else the middle of the rear edge (the corner where unlimited)
     float vx = 0.0F;  ///< m/s at the reply's sea time; 0 where the box stands
     float vz = 0.0F;
+    Hull hull;  ///< a ship's; none where it is not known
     bool operator==(const BoxSummary&) const = default;
 };
 struct BoxList {
@@ -349,10 +350,14 @@ struct BoxSucceeded {
     WaveTrainBox box;
     bool operator==(const BoxSucceeded&) const = default;
 };
+/// Changes of the land beside the first that one event may carry.
+inline constexpr size_t most_joined_changes = 63;
 /// The bed has changed, and with it the boxes whose waves it touches. Each node derives the new land fields by itself.
 struct LandChanged {
     ChangeLand change;
     std::vector<BoxSucceeded> boxes;  ///< ascending predecessor
+    std::vector<ChangeLand>
+        also{};  ///< further changes that take hold with it, in order; at most most_joined_changes
     bool operator==(const LandChanged&) const = default;
 };
 /// Rate or jump: a new time epoch. monotonic_start_us is of the node that wrote it; another node substitutes its own.

@@ -12,7 +12,7 @@ namespace {
 // their members, a vtable that is shared at best, and padding. The tests hold them against real encodings.
 constexpr size_t lists_cost = 10 * 24;  // ten lists: place in the table, vtable slot, length, padding
 constexpr size_t box_cost = 104 + 24 + 24 + 32;
-constexpr size_t extras_cost = 24 + 8 + 8 + 16 + 36 + 16 + 20 + 8;  // members, lengths, structs, padding
+constexpr size_t extras_cost = 24 + 8 + 8 + 16 + 36 + 16 + 20 + 12 + 8;  // members, lengths, structs, padding
 constexpr size_t train_cost = 28;
 constexpr size_t field_cost = 5;  // an entry of fields and one of field_of_train
 constexpr size_t overlay_cost = 8;
@@ -25,7 +25,8 @@ constexpr size_t id_cost = 4;
 
 bool plain(const WaveTrainBox& box) {
     return box.raised_us == 0 && box.fade_us == 0 && box.overlays.empty() && box.course.empty() &&
-           box.irregular == IrregularHeight{} && box.noise == SurfaceNoise{} && box.wake == ShipWake{};
+           box.irregular == IrregularHeight{} && box.noise == SurfaceNoise{} && box.wake == ShipWake{} &&
+           box.hull == Hull{};
 }
 
 size_t cost_of(const WaveTrainBox& box) {

@@ -1,6 +1,7 @@
 #include "protocol/model/sea.hpp"
 
 #include <algorithm>
+#include <iterator>
 
 #include "protocol/model/ordered_sum.hpp"
 #include "protocol/units/hash.hpp"
@@ -72,6 +73,14 @@ SeaInstant::SeaInstant(const Sea& sea, SeaTime t, Layers layers) : time_(t), lay
             live.noise = octaves_at(record.noise, t);
         live_.push_back(std::move(live));
     }
+}
+
+SeaInstant SeaInstant::without(BoxId box) const {
+    SeaInstant rest(Sea{}, time_, layers_);
+    rest.live_.reserve(live_.size());
+    std::copy_if(live_.begin(), live_.end(), std::back_inserter(rest.live_),
+                 [&](const LiveBox& live) { return live.box->record.id != box; });
+    return rest;
 }
 
 SurfaceSample SeaInstant::evaluate(LatticePoint p) const {

@@ -105,6 +105,8 @@ public:
     Layers layers() const { return layers_; }
     /// The boxes that are not still, ascending id.
     std::span<const LiveBox> live() const { return live_; }
+    /// The same without one box; copies, computes nothing again.
+    SeaInstant without(BoxId box) const;
     /// The surface at a rest point (inside the world's bounds).
     SurfaceSample evaluate(LatticePoint p) const;
 

@@ -119,6 +119,14 @@ Envelope envelope_at(const WaveTrainBox& box, const BoxInstant& instant, Lattice
     return e;
 }
 
+LatticePoint ship_place(const WaveTrainBox& box, SeaTime t) {
+    const LatticePoint corner = box.course.empty() ? box.origin : corner_at(box.course, t);
+    const int64_t u = has_wake(box.wake) ? box.length : box.length / 2;
+    const int64_t v = box.width / 2;
+    return {corner.x + ((u * box.ux) >> 30) - ((v * box.uz) >> 30),
+            corner.z + ((u * box.uz) >> 30) + ((v * box.ux) >> 30)};
+}
+
 bool alive(const WaveTrainBox& box, SeaTime from, SeaTime until) {
     return box.begin < until && from < box.end + box.decay_us;
 }
@@ -150,6 +158,9 @@ Result<Done> validate_features(const WaveTrainBox& box) {
     if (auto ok = validate(box.wake); !ok) return ok;
     if (has_wake(box.wake) && (box.length == 0 || box.width == 0 || box.course.size() != 1))
         return range_error("a wake's box", "limited on all sides with one leg");
+    if (auto ok = validate(box.hull); !ok) return ok;
+    if (has_hull(box.hull) && (box.length == 0 || box.width == 0))
+        return range_error("a hull's box", "limited on all sides");
     return Done{};
 }
 

@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "protocol/model/box_course.hpp"
+#include "protocol/model/hull.hpp"
 #include "protocol/model/irregular_height.hpp"
 #include "protocol/model/round_wave.hpp"
 #include "protocol/model/ship_wake.hpp"
@@ -74,6 +75,9 @@ struct WaveTrainBox {
     IrregularHeight irregular;
     SurfaceNoise noise;
     ShipWake wake;
+    /// Of the ship that makes the wake or, without one, of a ship that lies still. No sum and no hash reads it: programs that do not
+    /// know it hold the same sea.
+    Hull hull;
     bool operator==(const WaveTrainBox&) const = default;
 };
 
@@ -128,6 +132,11 @@ double height_bound(const WaveTrainBox& box);
 
 /// Upper bound of the horizontal displacement where no orbit factor is above 1, metres; else to be times the largest.
 double displacement_bound(const WaveTrainBox& box);
+
+/// Whether the box is a ship's: she is there from its `begin` until before its `end`, and looks along u.
+inline bool is_ship(const WaveTrainBox& box) { return has_wake(box.wake) || has_hull(box.hull); }
+/// Where the ship of such a box is amidships: with a wake at the middle of the front edge, without one at the middle of the box.
+LatticePoint ship_place(const WaveTrainBox& box, SeaTime t);
 
 /// Span of sea time [begin, end + decay) outside which the box is still water.
 bool alive(const WaveTrainBox& box, SeaTime from, SeaTime until);

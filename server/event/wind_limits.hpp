@@ -36,7 +36,7 @@ inline constexpr int64_t longest_ramp_us = int64_t{1} << 39;
 inline constexpr double shortest_group = 1.0;
 inline constexpr double longest_group = 100000.0;
 /// Hull of a ship at the water line, metres.
-inline constexpr float shortest_ship = 1.0F;
+inline constexpr float shortest_ship = shortest_hull;
 /// Changes of the land: points of the line, metres of the crest's width and of its height above still water.
 inline constexpr size_t fewest_line_points = 2;
 inline constexpr float narrowest_crest = 1.0F;

@@ -77,6 +77,17 @@ void narrow_to_wake(Extent& extent, const WaveTrainBox& record, int64_t nearest,
                 std::min(record.width / 2 + aside, extent.v.most)};
 }
 
+/// A ship's bow reaches beyond the front edge of her wake.
+void widen_to_hull(Extent& extent, const WaveTrainBox& record) {
+    const int64_t amidships = has_wake(record.wake) ? record.length : record.length / 2;
+    const int64_t half = to_lattice(static_cast<double>(record.hull.length) * 0.5);
+    const int64_t aside = to_lattice(static_cast<double>(record.hull.beam) * 0.5);
+    extent.u.take(amidships - half);
+    extent.u.take(amidships + half);
+    extent.v.take(record.width / 2 - aside);
+    extent.v.take(record.width / 2 + aside);
+}
+
 void lay_out(BoxFootprint& f, LatticePoint anchor, SeaTime from, SeaTime until, const Extent& extent) {
     const WaveTrainBox& record = f.box->sea->record;
     const LatticePoint start = record.course.empty() ? record.origin : corner_at(record.course, from);
@@ -119,7 +130,8 @@ double largest_share(const WaveTrainBox& box, SeaTime from, SeaTime until) {
     const int64_t taken_over = sixteenths(age, box.fade_us);
     const int64_t left = from < box.end ? 16 : sixteenths(box.decay_us - (from - box.end), box.decay_us);
     // The product of the ramps' largest is above the largest product.
-    return static_cast<double>((grown * taken_over * left + 255) / 256) / 16.0;
+    const int64_t share = (grown * taken_over * left + 255) / 256;
+    return static_cast<double>(share) / 16.0;
 }
 
 BoxFootprint footprint_over(const IndexedBox& box, LatticePoint anchor, SeaTime from, SeaTime until) {
@@ -137,6 +149,7 @@ BoxFootprint footprint_over(const IndexedBox& box, LatticePoint anchor, SeaTime 
     if (has_wake(record.wake) && record.trains.empty() && record.noise.amplitude == 0.0F &&
         late.time_gain != 0)
         narrow_to_wake(extent, record, instant_of(record, from).wake_front, late.wake_rear);
+    if (has_hull(record.hull) && from < record.end) widen_to_hull(extent, record);
     lay_out(f, anchor, from, until, extent);
     return f;
 }

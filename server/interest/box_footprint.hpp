@@ -15,7 +15,7 @@ SquareOnSea square_on_sea(const LatticeRect& square, LatticePoint anchor, double
 
 /// A wave train box as it lies on the sea over a span of time, relative to an anchor (paper A's oriented bounding box;
 /// row A10): of a moving box (row A12) the rectangle along its own axes that it sweeps, of one that only has a ship's wake
-/// the rectangle around the wake's wedge. Heights are bounds of what it may add anywhere in the span.
+/// the rectangle around the wake's wedge; a hull lies within it too. Heights are bounds of what it may add anywhere in the span.
 struct BoxFootprint {
     const IndexedBox* box = nullptr;
     double share = 0.0;         ///< largest time part of the envelope over the span, rounded up to sixteenths

@@ -98,14 +98,17 @@ bool shows(double longest_wave, double spacing) {
     return longest_wave > static_cast<double>(spacings_of_first_show) * spacing / weightless_margin;
 }
 
-/// What a patch is told of a box: its first trains, and with a box that is named its wake and its noise.
+/// What a patch is told of a box: its first trains, and with a box that is named its wake, its noise and its hull.
 struct Told {
     size_t trains = 0;
     bool named = false;
 };
 Told told_of(const IndexedBox& box, double spacing) {
     const size_t trains = kept_trains(box, spacing);
-    return {trains, trains > 0 || shows(box.wake.longest, spacing) || shows(box.longest_noise, spacing)};
+    // A hull may be as short as half a pixel.
+    const double hull = 4.0 * static_cast<double>(box.sea->record.hull.length);
+    return {trains, trains > 0 || shows(box.wake.longest, spacing) || shows(box.longest_noise, spacing) ||
+                        shows(hull, spacing)};
 }
 
 LatticeRect widened(const LatticeRect& r, double metres) {
@@ -160,8 +163,10 @@ PatchDescriptor describe(const Selection& selection, const SelectedPatch& patch,
     for (const uint32_t i : selection.boxes_of(patch)) {
         const IndexedBox& box = *selection.footprints[i].box;
         const Told told = told_of(box, spacing);
-        left_out.trains += static_cast<uint32_t>(box.longest.size() - told.trains);
-        something_missing = something_missing || box.tail[told.trains].a > 0.0;
+        // A ship that lies still has a train that adds nothing.
+        const bool less = box.tail[told.trains].a > 0.0;
+        left_out.trains += less ? static_cast<uint32_t>(box.longest.size() - told.trains) : 0U;
+        something_missing = something_missing || less;
         if (!told.named) {
             const WaveTrainBox& record = box.sea->record;
             left_out.wakes += has_wake(record.wake) ? 1U : 0U;

@@ -115,11 +115,22 @@ Result<WaveTrainBox> box_of(const StartShip& ship, SeaTime begin, NewIds ids) {
     return box;
 }
 
-LatticePoint ship_place(const WaveTrainBox& box, SeaTime t) {
-    const LatticePoint corner = box.course.empty() ? box.origin : corner_at(box.course, t);
-    const int64_t v = box.width / 2;
-    return {corner.x + ((box.length * box.ux) >> 30) - ((v * box.uz) >> 30),
-            corner.z + ((box.length * box.uz) >> 30) + ((v * box.ux) >> 30)};
+WaveTrainBox lying_box(const WaveTrainBox& ship, SeaTime begin, NewIds ids) {
+    WaveTrainBox box;
+    box.id = ids.box;
+    box.first_train = ids.first_train;
+    box.ux = ship.ux;
+    box.uz = ship.uz;
+    box.hull = ship.hull;
+    box.length = std::max(to_lattice(static_cast<double>(ship.hull.length)), int64_t{shortest_ramp});
+    box.width = std::max(to_lattice(static_cast<double>(ship.hull.beam)), int64_t{shortest_ramp});
+    box.begin = begin;
+    // So short (0.0625 m) that no picture asks for it.
+    box.trains.push_back({int32_t{1} << 26, 0, 0, 0, 0.0F, 0.0F, {}});
+    const LatticePoint at = ship_place(ship, begin);
+    const LatticePoint from_corner = ship_place(box, begin);
+    box.origin = {at.x - from_corner.x, at.z - from_corner.z};
+    return box;
 }
 
 StartWind logged_wind(const StartShip& ship) {
@@ -132,6 +143,13 @@ StartWind logged_wind(const StartShip& ship) {
     wind.trains = 0;
     wind.seed = 1;
     return wind;
+}
+
+Hull logged_hull(const StartWind& wind) {
+    Hull hull;
+    hull.length = static_cast<float>(to_metres(wind.fetch));
+    hull.beam = std::min(static_cast<float>(to_metres(wind.width)), hull.length);
+    return validate(hull).has_value() ? hull : Hull{};
 }
 
 StartShip logged_ship(const StartWind& wind) {

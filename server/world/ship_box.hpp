@@ -39,8 +39,12 @@ Result<Done> validate(const StartShip& ship);
 /// Refused where the world's edge is too near for the wake.
 Result<WaveTrainBox> box_of(const StartShip& ship, SeaTime begin, NewIds ids);
 
-/// Where the ship of such a box is, at any time within its course.
-LatticePoint ship_place(const WaveTrainBox& box, SeaTime t);
+/// The box of a ship that lies still from `begin` on, where that ship is then and turned as she is. It is the hull's rectangle, with one
+/// train of amplitude 0, which every program reads and none sees. It lasts until she sails on or is taken out.
+WaveTrainBox lying_box(const WaveTrainBox& ship, SeaTime begin, NewIds ids);
+
+/// The hull that the log keeps in the fields of a wind; none where those say nothing of one.
+Hull logged_hull(const StartWind& wind);
 
 /// What the log keeps of the ship beside its box, in the fields of a wind: speed and heading of the course, the hull's length
 /// as `fetch`, its beam as `width`, where it began as `origin`, no trains. And back (the place is `ship_place`'s).

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "protocol/model/arithmetic_rules.hpp"
+#include "protocol/units/assert.hpp"
 #include "server/event/wind_limits.hpp"
 
 namespace trochoid {
@@ -184,6 +185,33 @@ Result<TerrainEdit> edited(const TerrainGrid& terrain, const ChangeLand& change)
                         change.dig ? "as deep" : "as high"));
     const LatticeRect touched = rect_of(changed, *grid);
     return TerrainEdit{std::move(grid), touched, changed.samples};
+}
+
+TerrainEdit followed_by(const TerrainEdit& first, TerrainEdit next) {
+    const LatticeRect& a = first.touched;
+    const LatticeRect& b = next.touched;
+    next.touched = {{std::min(a.min.x, b.min.x), std::min(a.min.z, b.min.z)},
+                    {std::max(a.max.x, b.max.x), std::max(a.max.z, b.max.z)}};
+    next.samples += first.samples;
+    return next;
+}
+
+Result<TerrainEdit> edited(const TerrainGrid& terrain, std::span<const ChangeLand> changes) {
+    TROCHOID_ASSERT(!changes.empty(), "no change of the land");
+    Result<TerrainEdit> sum = edited(terrain, changes.front());
+    for (const ChangeLand& change : changes.subspan(1)) {
+        if (!sum) break;
+        Result<TerrainEdit> next = edited(*sum->terrain, change);
+        if (!next) return next;
+        sum = followed_by(*sum, std::move(next).value());
+    }
+    return sum;
+}
+
+std::vector<ChangeLand> changes_of(const LandChanged& event) {
+    std::vector<ChangeLand> changes{event.change};
+    changes.insert(changes.end(), event.also.begin(), event.also.end());
+    return changes;
 }
 
 }  // namespace trochoid

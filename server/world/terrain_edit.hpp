@@ -1,6 +1,8 @@
 #pragma once
 #include <cstddef>
 #include <memory>
+#include <span>
+#include <vector>
 
 #include "protocol/codec/messages.hpp"
 #include "protocol/model/terrain.hpp"
@@ -28,5 +30,14 @@ struct TerrainEdit {
 /// fall (or rise) by 1 in side_slope from there on. What is higher (deeper) already stays. A pure function: + - * / sqrt on doubles,
 /// then whole counts. The change must be valid. value_out_of_range where no sample changes.
 Result<TerrainEdit> edited(const TerrainGrid& terrain, const ChangeLand& change);
+
+/// Both, one after the other: `next` is an edit of first's terrain.
+TerrainEdit followed_by(const TerrainEdit& first, TerrainEdit next);
+
+/// All of them in order; `touched` is around all, `samples` the sum. The first error; none of the changes may come to nothing.
+Result<TerrainEdit> edited(const TerrainGrid& terrain, std::span<const ChangeLand> changes);
+
+/// An event's changes in order, at least one.
+std::vector<ChangeLand> changes_of(const LandChanged& event);
 
 }  // namespace trochoid

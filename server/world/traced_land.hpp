@@ -1,4 +1,5 @@
 #pragma once
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <vector>
@@ -37,5 +38,12 @@ struct TracedLand {
     /// Never decides a result; null where nothing is remembered.
     std::shared_ptr<const LandMemory> memory;
 };
+
+/// Blocks of the new fields.
+inline size_t blocks_of(const TracedLand& land) {
+    size_t blocks = 0;
+    for (const auto& field : land.fields) blocks += field->block_count();
+    return blocks;
+}
 
 }  // namespace trochoid

@@ -71,20 +71,37 @@ std::shared_ptr<const WorldBox> ship_named(const WorldState& state, const std::s
                                            SeaTime end) {
     for (const auto& [id, box] : state.boxes) {
         const WaveTrainBox& record = box->sea->record;
-        if (has_wake(record.wake) && box->name == name && record.begin < end && begin < record.end)
-            return box;
+        if (is_ship(record) && box->name == name && record.begin < end && begin < record.end) return box;
+    }
+    return nullptr;
+}
+
+/// The box that goes on in this one's place: since the land changed, or a ship's on her next course. nullptr: none.
+const WorldBox* next_of(const WorldState& state, const WorldBox& box) {
+    if (const auto next = state.boxes.find(box.successor); next != state.boxes.end())
+        return next->second.get();
+    const WaveTrainBox& record = box.sea->record;
+    if (!is_ship(record)) return nullptr;
+    // A course begins when and where the one before ends, by a later number.
+    for (auto next = state.boxes.upper_bound(record.id); next != state.boxes.end(); ++next) {
+        const WorldBox& other = *next->second;
+        if (is_ship(other.sea->record) && other.name == box.name && other.sea->record.begin == record.end &&
+            other.wind.origin == ship_place(record, record.end))
+            return &other;
     }
     return nullptr;
 }
 
 }  // namespace
 
-World::World(std::string name, std::shared_ptr<const TerrainGrid> terrain, SeaClock clock) {
+World::World(std::string name, std::shared_ptr<const TerrainGrid> terrain, SeaClock clock,
+             size_t most_land_blocks) {
     auto state = std::make_shared<WorldState>();
     state->name = std::move(name);
     state->log_hash = empty_log_hash;
     state->clock = clock;
     state->terrain = std::move(terrain);
+    state->most_land_blocks = most_land_blocks;
     state_ = std::move(state);
 }
 
@@ -127,7 +144,7 @@ Result<BoxStarted> World::admit(WaveTrainBox box, std::string name, const StartW
     limit_steepness(box, state_->terrain ? expected_land_growth : 1.0, crowd(steep_boxes(*state_)));
     // What a plan's own checks let through must not end a running world.
     if (const auto ok = validate(box); !ok) return ok.error();
-    if (name.empty()) name = fmt::format("{} {}", has_wake(box.wake) ? "ship" : "wind", box.id.value);
+    if (name.empty()) name = fmt::format("{} {}", is_ship(box) ? "ship" : "wind", box.id.value);
     return BoxStarted{std::move(box), std::move(name), wind};
 }
 
@@ -194,11 +211,13 @@ Result<std::shared_ptr<const WorldBox>> World::going_on(BoxId box, SeaTime effec
     const auto found = state_->boxes.find(box);
     if (found == state_->boxes.end())
         return Error{ErrorCode::unknown_box, fmt::format("there is no box {}: ask for the list", box.value)};
-    const BoxId successor = found->second->successor;
-    if (state_->boxes.contains(successor))
+    const WorldBox* last = found->second.get();
+    while (const WorldBox* next = next_of(*state_, *last)) last = next;
+    if (last != found->second.get())
         return Error{ErrorCode::already_ending,
-                     fmt::format("box {} goes on as box {} since the land changed: name that one", box.value,
-                                 successor.value)};
+                     fmt::format("box {} goes on as box {}, since {}: name that one", box.value,
+                                 last->sea->record.id.value,
+                                 is_ship(last->sea->record) ? "her course changed" : "the land changed")};
     const WaveTrainBox& record = found->second->sea->record;
     if (std::max(effective, record.begin) < record.end) return found->second;
     return Error{ErrorCode::already_ending,
@@ -217,7 +236,7 @@ Result<Steering> World::plan(const Steer& steer, SeaTime effective) const {
     if (!box) return box.error();
     const WaveTrainBox& record = (*box)->sea->record;
     const SeaTime start = std::max(effective, record.begin);
-    if (has_wake(record.wake)) return steer_ship(**box, steer, start);
+    if (is_ship(record)) return steer_ship(**box, steer, start);
     const auto leg =
         next_leg(record, start, static_cast<double>(steer.towards_degrees), static_cast<double>(steer.speed));
     if (!leg) return leg.error();
@@ -226,7 +245,13 @@ Result<Steering> World::plan(const Steer& steer, SeaTime effective) const {
 
 Result<Steering> World::steer_ship(const WorldBox& ship, const Steer& steer, SeaTime effective) const {
     Steering steering{{BoxEnding{steer.box, effective}}, effective, steer.box};
-    if (steer.speed == 0.0F) return steering;
+    if (steer.speed == 0.0F) {
+        auto lying = plan_lying(ship, effective);
+        if (!lying) return lying.error();
+        steering.box = lying->box.id;
+        steering.events.emplace_back(std::move(lying).value());
+        return steering;
+    }
     StartShip next = logged_ship(ship.wind);
     next.at = ship_place(ship.sea->record, effective);
     next.towards_degrees = steer.towards_degrees;
@@ -237,6 +262,21 @@ Result<Steering> World::steer_ship(const WorldBox& ship, const Steer& steer, Sea
     steering.box = started->box.id;
     steering.events.emplace_back(std::move(started).value());
     return steering;
+}
+
+Result<BoxStarted> World::plan_lying(const WorldBox& ship, SeaTime effective) const {
+    const WaveTrainBox& record = ship.sea->record;
+    if (!has_wake(record.wake))
+        return Error{
+            ErrorCode::not_moving,
+            fmt::format("box {} is a ship that lies still already: give her a speed above 0, or stop "
+                        "the box to take her out",
+                        record.id.value)};
+    if (auto ok = has_room(effective); !ok) return ok.error();
+    StartWind logged = ship.wind;
+    logged.speed = 0.0F;
+    logged.origin = ship_place(record, effective);
+    return admit(lying_box(record, effective, new_ids()), ship.name, logged);
 }
 
 Result<ClockChanged> World::plan(const SetRate& rate, int64_t monotonic_us) const {
@@ -263,14 +303,20 @@ std::vector<BoxId> boxes_on_land(const WorldState& state, SeaTime effective) {
     std::vector<BoxId> list;
     for (const auto& [id, box] : state.boxes) {
         const WaveTrainBox& record = box->sea->record;
-        if (!record.trains.empty() && std::max(effective, record.begin) + land_fade_us < record.end)
+        if (!record.trains.empty() && !is_ship(record) &&
+            std::max(effective, record.begin) + land_fade_us < record.end)
             list.push_back(id);
     }
     return list;
 }
 
+LandRoom World::room_for_land(SeaTime effective) const {
+    // As for boxes: the new land comes when it is applied, not only when it takes hold.
+    return land_room(*state_, std::min(effective, present_));
+}
+
 Result<LandChanged> World::plan(const ChangeLand& change, SeaTime effective,
-                                std::span<const Retraced> touched) const {
+                                std::span<const Retraced> touched, std::vector<ChangeLand> also) const {
     if (auto ok = validate(change); !ok) return ok.error();
     if (!state_->terrain)
         return Error{ErrorCode::no_terrain,
@@ -278,8 +324,10 @@ Result<LandChanged> World::plan(const ChangeLand& change, SeaTime effective,
     TROCHOID_ASSERT(effective >= land_settled(), "the land changes at {} us, before it has settled",
                     effective.us);
     if (auto ok = has_room(effective, touched.size()); !ok) return ok.error();
+    if (kept_after(*state_, touched, std::min(effective, present_)) > state_->most_land_blocks)
+        return too_much_land(room_for_land(effective));
     const SteepCrowd others = crowd_over(touched);
-    LandChanged event{change, {}};
+    LandChanged event{change, {}, std::move(also)};
     NewIds ids = new_ids();
     for (const Retraced& next : touched) {
         const auto box = going_on(next.box, effective);

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "server/event/scene.hpp"
+#include "server/world/land_room.hpp"
 #include "server/world/steepness.hpp"
 #include "server/world/traced_land.hpp"
 #include "server/world/wind_box.hpp"
@@ -49,8 +50,10 @@ inline constexpr size_t most_overlays = 256;
 /// the world; the states handed out are immutable and may be read from anywhere.
 class World {
 public:
-    /// The world at log position 0. Terrain may be null: open sea of unlimited depth.
-    World(std::string name, std::shared_ptr<const TerrainGrid> terrain, SeaClock clock);
+    /// The world at log position 0. Terrain may be null: open sea of unlimited depth. `most_land_blocks`: WorldState's; the same
+    /// on all that follow one log.
+    World(std::string name, std::shared_ptr<const TerrainGrid> terrain, SeaClock clock,
+          size_t most_land_blocks = usual_land_blocks);
     World(const World&) = delete;
     World& operator=(const World&) = delete;
 
@@ -74,10 +77,10 @@ public:
     /// expected_land_growth. Between tracing and appending.
     BoxStarted fit_to_land(BoxStarted planned, const TracedLand& land) const;
     /// The end of a wind: its decay starts at `effective`, or at its beginning where that is still to come (then the wind never
-    /// blows). A ship stops. Errors: unknown_box; already_ending where its decay starts by then anyway.
+    /// blows). A ship is taken out. Errors: unknown_box; already_ending where its decay starts by then anyway.
     Result<BoxEnding> plan(const StopWind& stop, SeaTime effective) const;
     /// A moving wind's new leg, or a ship's new course from where it is then (a box that begins, or a ship that sets out, only later
-    /// takes it at its beginning). A ship's speed 0 stops it. Errors: unknown_box, already_ending, not_moving,
+    /// takes it at its beginning). At speed 0 a ship lies still from then on, as a box of its own. Errors: unknown_box, already_ending, not_moving,
     /// too_many_legs, too_many_boxes, value_out_of_range.
     Result<Steering> plan(const Steer& steer, SeaTime effective) const;
     /// A new rate from a moment of the server's monotonic clock on; sea time is continuous there. To be applied when that
@@ -89,10 +92,13 @@ public:
     /// The boxes to trace again when the land changes at `effective`: those with trains whose decay has not begun by the end of the
     /// cross-fade.
     std::vector<BoxId> on_land_at(SeaTime effective) const;
-    /// The land's change with the successors of the boxes that it touches, ascending. `effective` from land_settled() on. Errors:
-    /// no_terrain, too_many_boxes, value_out_of_range (edited() has said already that something changes).
-    Result<LandChanged> plan(const ChangeLand& change, SeaTime effective,
-                             std::span<const Retraced> touched) const;
+    /// The land's change, with `also` after it, and the successors of the boxes that it touches, ascending. `effective` from
+    /// land_settled() on. Errors: no_terrain, too_many_boxes, too_much_land, value_out_of_range (edited() has said already
+    /// that something changes).
+    Result<LandChanged> plan(const ChangeLand& change, SeaTime effective, std::span<const Retraced> touched,
+                             std::vector<ChangeLand> also = {}) const;
+    /// How much land may still come at `effective`: what boxes that have fallen still hold can be let go.
+    LandRoom room_for_land(SeaTime effective) const;
 
     /// Takes in the event that the log holds next; `bytes` are the log's own, `land` what the event's box was traced to. The
     /// new state is a pure function of the old one, the event and its bytes. An event that does not fit the state is our
@@ -109,6 +115,7 @@ private:
     Result<Done> has_room(SeaTime begin, size_t boxes = 1) const;
     Result<std::shared_ptr<const WorldBox>> going_on(BoxId box, SeaTime effective) const;
     Result<BoxStarted> plan_course(const StartShip& ship, SeaTime begin) const;
+    Result<BoxStarted> plan_lying(const WorldBox& ship, SeaTime effective) const;
     Result<Steering> steer_ship(const WorldBox& ship, const Steer& steer, SeaTime effective) const;
     SteepCrowd crowd(std::span<const SteepBox> boxes) const;
     SteepCrowd crowd_over(std::span<const Retraced> touched) const;

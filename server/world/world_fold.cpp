@@ -9,6 +9,8 @@
 #include "protocol/units/assert.hpp"
 #include "server/event/wind_limits.hpp"
 #include "server/world/box_steering.hpp"
+#include "server/world/land_room.hpp"
+#include "server/world/ship_box.hpp"
 #include "server/world/terrain_edit.hpp"
 
 namespace trochoid {
@@ -106,10 +108,15 @@ TracedLand only_land(Derived derived, BoxId box) {
 }
 
 void take(WorldState& state, const BoxStarted& event, Derived derived) {
+    TracedLand land = only_land(std::move(derived), event.box.id);
+    if (!land.fields.empty()) make_room_for_land(state, blocks_of(land), event.box.begin);
     auto box = std::make_shared<WorldBox>();
     box->name = event.name;
     box->wind = event.wind;
-    put(state, event.box, std::move(box), only_land(std::move(derived), event.box.id), nullptr);
+    WaveTrainBox planned = event.box;
+    // The log keeps a hull under way in the wind's place, as it did before boxes had hulls.
+    if (has_wake(planned.wake) && !has_hull(planned.hull)) planned.hull = logged_hull(event.wind);
+    put(state, planned, std::move(box), std::move(land), nullptr);
     state.sea = sea_of(state.boxes);
 }
 
@@ -144,7 +151,7 @@ void take(WorldState& state, const LandChanged& event, Derived derived) {
     TROCHOID_ASSERT(derived.lands.size() == event.boxes.size(), "{} boxes go on over {} lands",
                     event.boxes.size(), derived.lands.size());
     if (!derived.terrain) {
-        auto edit = edited(*state.terrain, event.change);
+        auto edit = edited(*state.terrain, changes_of(event));
         TROCHOID_ASSERT(edit.has_value(), "the land's change: {}", edit.error().message);
         derived.terrain = edit->terrain;
     }
@@ -213,6 +220,12 @@ Fields fields_with_bases(const PreparedBox& box) {
 }
 
 void fold(WorldState& state, const LogEvent& event, Derived derived) {
+    if (std::holds_alternative<LandChanged>(event.what)) {
+        size_t coming = 0;
+        for (const TracedLand& land : derived.lands) coming += blocks_of(land);
+        let_go_of_old_land(state, event.effective);
+        make_room_for_land(state, coming, event.effective);
+    }
     std::visit([&](const auto& what) { take(state, what, std::move(derived)); }, event.what);
 }
 

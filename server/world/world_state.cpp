@@ -15,7 +15,7 @@ namespace trochoid {
 namespace {
 
 BoxKind kind_of(const WorldBox& box) {
-    if (has_wake(box.sea->record.wake)) return BoxKind::ship;
+    if (is_ship(box.sea->record)) return BoxKind::ship;
     if (box.sea->record.trains.empty()) return BoxKind::noise;
     return box.wind.trains > 0 ? BoxKind::wind : BoxKind::waves;
 }
@@ -53,12 +53,14 @@ std::vector<BoxSummary> summaries(const WorldState& state, SeaTime now) {
         line.begin = record.begin;
         line.end = record.end;
         line.decay_us = record.decay_us;
-        line.trains = static_cast<uint16_t>(record.trains.size());
         // A wake's waves are as high, from trough to crest, as twice their amplitude one wavelength behind the ship.
         line.significant_height = has_wake(record.wake)
                                       ? 2.0F * std::max(record.wake.transverse, record.wake.diverging)
                                       : static_cast<float>(significant_height(record.trains));
         line.kind = kind_of(*box);
+        // The train of a ship that lies still is none to speak of.
+        line.trains = line.kind == BoxKind::ship ? uint16_t{0} : static_cast<uint16_t>(record.trains.size());
+        line.hull = record.hull;
         line.wind_speed = line.kind == BoxKind::ship ? 0.0F : box->wind.speed;
         line.towards_degrees = box->wind.towards_degrees;
         line.gain_now = static_cast<float>(instant_of(record, now).time_gain) * 0x1p-24F;

@@ -164,7 +164,7 @@ Delta laden_delta() {
 
 BoxSummary summary() {
     return {{13}, "MS M\xc3\xa5ke", {8'000'000}, end_of_time, 60'000'000, 0, 0.5F, 0.0F, 67.5F,
-            1.0F, BoxKind::ship,    {4096, 0},   10.0F,       -0.5F};
+            1.0F, BoxKind::ship,    {4096, 0},   10.0F,       -0.5F,      {}};
 }
 
 TerrainTiles tiles() {

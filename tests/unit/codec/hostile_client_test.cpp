@@ -392,6 +392,13 @@ TEST(HostileClient, EventsOfMovingBoxesAndLand) {
     EXPECT_EQ(land([](LandChanged& l) { l.boxes[0].box.id = {3}; }), ErrorCode::value_out_of_range);
     EXPECT_EQ(land([](LandChanged& l) { l.boxes[1].box.ramp_side = 0; }), ErrorCode::value_out_of_range);
     EXPECT_EQ(land([](LandChanged& l) { l.boxes.resize(1025, l.boxes[0]); }), ErrorCode::too_many_boxes);
+    EXPECT_EQ(land([](LandChanged& l) { l.also.resize(63, l.change); }), ErrorCode::none);
+    EXPECT_EQ(land([](LandChanged& l) { l.also.resize(64, l.change); }), ErrorCode::value_out_of_range);
+    EXPECT_EQ(land([](LandChanged& l) {
+                  l.also = {l.change, l.change};
+                  l.also[1].crest = 201.0F;
+              }),
+              ErrorCode::value_out_of_range);
 }
 
 TEST(HostileClient, WindsOfTheLog) {

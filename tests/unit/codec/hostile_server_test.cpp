@@ -186,6 +186,14 @@ TEST(HostileServer, ShipsAreCheckedToo) {
     is(range, [](WaveTrainBox& b) { b.wake.inverse_length = UINT32_MAX; });
     is(range, [](WaveTrainBox& b) { b.wake.group_speed = 0; });
     is(range, [](WaveTrainBox& b) { b.wake.group_speed = UINT32_MAX; });
+    is(ErrorCode::none, [](WaveTrainBox& b) { b.hull = {500.0F, 500.0F}; });
+    is(ErrorCode::not_finite, [](WaveTrainBox& b) { b.hull = {not_a_number, 1.0F}; });
+    is(ErrorCode::not_finite, [](WaveTrainBox& b) { b.hull = {10.0F, not_a_number}; });
+    is(range, [](WaveTrainBox& b) { b.hull = {0.5F, 0.5F}; });
+    is(range, [](WaveTrainBox& b) { b.hull = {501.0F, 10.0F}; });
+    is(range, [](WaveTrainBox& b) { b.hull = {10.0F, 0.0F}; });
+    is(range, [](WaveTrainBox& b) { b.hull = {10.0F, 11.0F}; });
+    is(range, [](WaveTrainBox& b) { b.hull = {0.0F, 1.0F}; });
 }
 
 TEST(HostileServer, OrbitsThatAreAllOneMayNotBeWritten) {
@@ -377,6 +385,8 @@ TEST(HostileServer, TilesAndReplies) {
     EXPECT_EQ(summary([](BoxSummary& s) { s.at.z = world_bound + 1; }), ErrorCode::value_out_of_range);
     EXPECT_EQ(summary([](BoxSummary& s) { s.vx = not_a_number; }), ErrorCode::not_finite);
     EXPECT_EQ(summary([](BoxSummary& s) { s.vz = not_a_number; }), ErrorCode::not_finite);
+    EXPECT_EQ(summary([](BoxSummary& s) { s.hull.length = not_a_number; }), ErrorCode::not_finite);
+    EXPECT_EQ(summary([](BoxSummary& s) { s.hull = {10.0F, -1.0F}; }), ErrorCode::value_out_of_range);
 }
 
 TEST(HostileServer, EveryCodeOfTheStandardTravels) {
@@ -387,7 +397,7 @@ TEST(HostileServer, EveryCodeOfTheStandardTravels) {
         if (refusal(ServerMessage{g}) == ErrorCode::none) ++known;
     }
     // As many as ErrorCode has; a new one needs the schema's enum Code as well.
-    EXPECT_EQ(known, 37);
+    EXPECT_EQ(known, 38);
     for (const ErrorCode code : {ErrorCode::base_mismatch, ErrorCode::queue_overflow, ErrorCode::too_late,
                                  ErrorCode::internal_error})
         EXPECT_EQ(refusal(ServerMessage{Goodbye{code, "x", false, 0, 0, 0}}), ErrorCode::none);

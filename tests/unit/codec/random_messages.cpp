@@ -212,7 +212,8 @@ BoxSummary summary(Dice& d) {
             static_cast<BoxKind>(d.between(0, 3)),
             place(d),
             d.real(-100.0F, 100.0F),
-            d.real(-100.0F, 100.0F)};
+            d.real(-100.0F, 100.0F),
+            d.coin() ? Hull{} : Hull{d.real(10.0F, 500.0F), d.real(0.5F, 10.0F)}};
 }
 
 SurfaceSample sample(Dice& d) {
@@ -316,6 +317,7 @@ WaveTrainBox random_ship(Dice& d, uint32_t id) {
     b.origin = along.origin;
     b.wake = wake(d);
     b.wake.group_speed = static_cast<uint32_t>(along.vx) / 2 + 1;
+    if (d.coin()) b.hull = {d.real(10.0F, 500.0F), d.real(0.5F, 10.0F)};
     return b;
 }
 
@@ -477,6 +479,7 @@ LogEvent random_event(Dice& d, size_t index) {
         for (uint32_t i = 1; i < 5; ++i)
             changed.boxes.push_back(
                 {{10 * i}, random_box(d, 100 + i, static_cast<size_t>(d.between(1, 40)))});
+        for (int64_t i = d.between(0, 3); i > 0; --i) changed.also.push_back(land_change(d));
         e.what = changed;
     }
     return e;

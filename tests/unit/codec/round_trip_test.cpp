@@ -1,5 +1,8 @@
 #include <gtest/gtest.h>
 
+#include <string_view>
+
+#include "event_generated.h"
 #include "protocol/codec/codec.hpp"
 #include "tests/unit/codec/random_messages.hpp"
 
@@ -112,12 +115,68 @@ TEST(RoundTrip, ABoxPaysForWhatItHas) {
     EXPECT_LE(added_bytes([](WaveTrainBox& b) { b.irregular.share = 1; }), 36U + 12U);
     EXPECT_LE(added_bytes([](WaveTrainBox& b) { b.noise.seed = 1; }), 16U + 16U);
     EXPECT_LE(added_bytes([](WaveTrainBox& b) { b.wake.group_speed = 1; }), 20U + 16U);
+    EXPECT_LE(added_bytes([](WaveTrainBox& b) { b.hull = {100.0F, 14.0F}; }), 8U + 16U);
     const auto legs = [](size_t n) { return added_bytes([n](WaveTrainBox& b) { b.course.resize(n); }); };
     EXPECT_EQ(legs(64) - legs(2), 62U * 40U);
     const auto overlays = [](size_t n) {
         return added_bytes([n](WaveTrainBox& b) { b.overlays.resize(n); });
     };
     EXPECT_EQ(overlays(256) - overlays(2), 254U * 8U);
+}
+
+/// The boxes of a delta as a program reads them that was made before there were hulls: the table's slots up to the wake.
+TEST(RoundTrip, ProgramsWithoutHullsReadTheRest) {
+    Dice dice(7);
+    const auto event_of = [](const WaveTrainBox& box) {
+        return encode(LogEvent{1, {}, BoxStarted{box, "ferry", {}}});
+    };
+    const auto box_of = [](const Bytes& bytes) {
+        return flatbuffers::GetRoot<wire_fb::EventEnvelope>(bytes.data())->body_as_BoxStarted()->box();
+    };
+    WaveTrainBox ship = random_ship(dice, 3);
+    ship.hull = {};
+    const Bytes old_bytes = event_of(ship);
+    ship.hull = {140.0F, 21.0F};
+    const Bytes new_bytes = event_of(ship);
+    ASSERT_NE(new_bytes, old_bytes);
+    const wire_fb::Box* with = box_of(new_bytes);
+    const wire_fb::Box* without = box_of(old_bytes);
+    EXPECT_EQ(with->hull()->length(), 140.0F);
+    EXPECT_EQ(without->hull(), nullptr) << "what an old program writes says nothing of a hull";
+    constexpr auto last_old = wire_fb::Box::VT_WAKE;
+    const auto* table = reinterpret_cast<const flatbuffers::Table*>(with);
+    const auto* old_table = reinterpret_cast<const flatbuffers::Table*>(without);
+    for (flatbuffers::voffset_t slot = 4; slot <= last_old; slot += 2)
+        EXPECT_EQ(table->GetOptionalFieldOffset(slot) != 0, old_table->GetOptionalFieldOffset(slot) != 0)
+            << slot;
+    const auto bytes_of = [](const auto* part) {
+        return std::string_view(reinterpret_cast<const char*>(part), sizeof(*part));
+    };
+    EXPECT_EQ(bytes_of(with->head()), bytes_of(without->head()));
+    EXPECT_EQ(bytes_of(with->wake()), bytes_of(without->wake()));
+    EXPECT_EQ(with->course()->size(), without->course()->size());
+    // And the other way round.
+    const auto read = decode_event(old_bytes);
+    ASSERT_TRUE(read) << read.error().message;
+    EXPECT_EQ(std::get<BoxStarted>(read->what).box.hull, Hull{});
+}
+
+/// A ship that lies still is a legal box to whoever drops her hull, and of the same hash.
+TEST(RoundTrip, ALyingShipIsABoxWithoutHerHull) {
+    WaveTrainBox lying;
+    lying.id = {9};
+    lying.first_train = {90};
+    lying.length = 140 * 1024;
+    lying.width = 21 * 1024;
+    lying.hull = {140.0F, 21.0F};
+    lying.trains.push_back({1 << 26, 0, 0, 0, 0.0F, 0.0F, {}});
+    const auto read = decode_event(encode(LogEvent{1, {}, BoxStarted{lying, "ferry", {}}}));
+    ASSERT_TRUE(read) << read.error().message;
+    EXPECT_EQ(std::get<BoxStarted>(read->what).box, lying);
+    WaveTrainBox dropped = lying;
+    dropped.hull = {};
+    EXPECT_TRUE(validate(dropped));
+    EXPECT_EQ(hash_of(dropped), hash_of(lying));
 }
 
 TEST(RoundTrip, SentencesAreCutAtACharactersBorderAndLoseControlCharacters) {

@@ -76,6 +76,15 @@ TEST(StateHash, OfBlocksIsTheStandards) {
     }
 }
 
+/// So that programs that know no hulls, and drop them, agree.
+TEST(StateHash, AHullDoesNotCount) {
+    Dice dice(64);
+    WaveTrainBox ship = random_ship(dice, 9);
+    const uint64_t bare = hash_of(ship);
+    ship.hull = {120.0F, 18.0F};
+    EXPECT_EQ(hash_of(ship), bare);
+}
+
 TEST(StateHash, EveryFieldOfABoxCounts) {
     Dice dice(63);
     WaveTrainBox full = random_box(dice, 9, 2);

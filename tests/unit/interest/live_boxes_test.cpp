@@ -6,6 +6,8 @@
 #include "protocol/model/displayed.hpp"
 #include "protocol/model/point_query.hpp"
 #include "server/interest/cull.hpp"
+#include "server/interest/cull_key.hpp"
+#include "server/world/world.hpp"
 #include "tests/unit/interest/sample_world.hpp"
 
 namespace trochoid {
@@ -322,6 +324,67 @@ TEST(LiveBoxes, IrregularRoundAndOrbitsRaiseTheStatedBounds) {
     round.roundness = 1.0;
     EXPECT_EQ(largest(round).first, lift);
     EXPECT_GT(largest(round).second, error);
+}
+
+/// A world with one ship, which may have stopped, and a camera 300 m off at 40 m above the water.
+struct ShipInSight {
+    explicit ShipInSight(float speed, bool stopped) {
+        StartShip asked;
+        asked.at = {to_lattice(100), to_lattice(-300)};
+        asked.towards_degrees = 90.0F;
+        asked.speed = speed;
+        asked.length = 120.0F;
+        World world("test", nullptr, {});
+        const auto start = [&](const auto& what) {
+            world.apply({world.state()->log_position.value + 1, {0}, what}, std::vector<uint8_t>{1});
+        };
+        start(world.plan(asked, {0}).value());
+        if (stopped) {
+            const Steering steering = world.plan(Steer{{1}, 0.0F, 0.0F}, {1000}).value();
+            for (const auto& what : steering.events) start(what);
+        }
+        state = world.state();
+        view.altitude = 40 * lattice_per_metre;
+    }
+    CullResult seen(SeaTime now) const {
+        const InterestIndex index(*state);
+        return cull(index, choose_key(index, view, {}, nullptr, now));
+    }
+    std::shared_ptr<const WorldState> state;
+    ViewState view;
+};
+
+TEST(LiveBoxes, AShipThatLiesStillIsToldWhereSheIsSeen) {
+    ShipInSight sight(8.0F, true);
+    const CullResult seen = sight.seen({3600 * microseconds_per_second});
+    ASSERT_TRUE(seen.state.boxes.contains({2}));
+    EXPECT_TRUE(has_hull(seen.state.boxes.at({2})->hull));
+    EXPECT_EQ(seen.report.largest_error, 0.0F);
+    EXPECT_EQ(seen.report.left_out.trains, 0U) << "her empty train is not one that is missed";
+    size_t patches = 0;
+    for (const auto& [key, patch] : seen.state.patches)
+        for (const PatchBox& box : patch.boxes) {
+            patches += box.box == BoxId{2} ? 1U : 0U;
+            EXPECT_EQ(box.train_count, 0) << "nobody needs to evaluate it";
+        }
+    EXPECT_GT(patches, 0U);
+    EXPECT_LE(patches, 40U) << "only where she lies";
+    // Not where the camera looks away, nor so far off that she is less than a dot.
+    sight.view.qy = 1.0F;
+    sight.view.qw = 0.0F;
+    EXPECT_FALSE(sight.seen({3600 * microseconds_per_second}).state.boxes.contains({2}));
+    sight.view.qy = 0.0F;
+    sight.view.qw = 1.0F;
+    sight.view.position.z = to_lattice(1'500'000);
+    EXPECT_FALSE(sight.seen({3600 * microseconds_per_second}).state.boxes.contains({2}));
+}
+
+/// Her waves of 0.16 m are too short to be told from 300 m away; she herself is not.
+TEST(LiveBoxes, ASlowShipIsToldForHerHull) {
+    const ShipInSight sight(0.5F, false);
+    const CullResult seen = sight.seen({600 * microseconds_per_second});
+    ASSERT_TRUE(seen.state.boxes.contains({1}));
+    EXPECT_EQ(seen.state.boxes.at({1})->hull.length, 120.0F);
 }
 
 }  // namespace

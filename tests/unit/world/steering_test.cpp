@@ -203,11 +203,92 @@ TEST(Steering, AShipsNewCourseIsANewBoxFromWhereItIs) {
     const LatticePoint later = ship_place(new_leg, turn + 10 * second);
     EXPECT_NEAR(to_metres(there.z - later.z), 120.0, 0.1);
     EXPECT_EQ(world.plan(Steer{{1}, 0.0F, 5.0F}, turn + 1).error().code, ErrorCode::already_ending);
-    // And stops: by course or by command.
-    const auto stopped = steer(world, {{2}, 0.0F, 0.0F}, {900 * second});
-    ASSERT_TRUE(stopped);
-    EXPECT_EQ(stopped->events.size(), 1U);
-    EXPECT_EQ(world.state()->boxes.at({2})->sea->record.end, SeaTime{900 * second});
+}
+
+const WaveTrainBox& record(const World& world, BoxId box) {
+    return world.state()->boxes.at(box)->sea->record;
+}
+
+TEST(Steering, AShipThatStopsLiesWhereSheIsTurnedAsSheWas) {
+    World world("test", nullptr, {});
+    StartShip asked = ferry();
+    asked.at = {to_lattice(1234.5), to_lattice(-77.25)};
+    asked.towards_degrees = 37.0F;
+    asked.length = 140.0F;
+    asked.beam = 21.0F;
+    apply(world, {0}, *world.plan(asked, {0}));
+    EXPECT_EQ(record(world, {1}).hull, (Hull{140.0F, 21.0F}));
+    const SeaTime stop{300 * second};
+    const LatticePoint there = ship_place(record(world, {1}), stop);
+    const auto stopped = steer(world, {{1}, 250.0F, 0.0F}, stop);
+    ASSERT_TRUE(stopped) << stopped.error().message;
+    EXPECT_EQ(stopped->box, BoxId{2});
+    EXPECT_EQ(stopped->events.size(), 2U);
+    const WaveTrainBox lying = record(world, {2});
+    EXPECT_EQ(record(world, {1}).end, stop);
+    EXPECT_EQ(lying.begin, stop);
+    EXPECT_EQ(lying.end, end_of_time);
+    EXPECT_EQ(lying.hull, (Hull{140.0F, 21.0F}));
+    EXPECT_EQ(lying.ux, record(world, {1}).ux);
+    EXPECT_EQ(lying.uz, record(world, {1}).uz);
+    for (const int64_t s : {0, 1, 100'000}) EXPECT_EQ(ship_place(lying, stop + s * second), there) << s;
+    // She moves no water.
+    const SeaInstant with_her(world.state()->sea, stop + 60 * second);
+    const SeaInstant bare = with_her.without({2});
+    for (int64_t i = -40; i <= 40; ++i) {
+        const LatticePoint p{there.x + i * 3000, there.z + i * 777};
+        ASSERT_EQ(with_her.evaluate(p), bare.evaluate(p));
+    }
+    EXPECT_EQ(height_bound(lying), 0.0);
+    const auto list = summaries(*world.state(), stop + second);
+    ASSERT_EQ(list.size(), 2U);
+    EXPECT_EQ(list[1].kind, BoxKind::ship);
+    EXPECT_EQ(list[1].name, "ferry");
+    EXPECT_EQ(list[1].trains, 0);
+    EXPECT_EQ(list[1].vx, 0.0F);
+    EXPECT_EQ(list[1].hull, (Hull{140.0F, 21.0F}));
+    EXPECT_EQ(list[1].towards_degrees, 37.0F);
+    EXPECT_EQ(list[1].at, there);
+    EXPECT_EQ(world.plan(Steer{{2}, 0.0F, 0.0F}, stop + second).error().code, ErrorCode::not_moving);
+    // Steered again she goes on from there, the same ship.
+    const SeaTime again{500 * second};
+    const auto sailing = steer(world, {{2}, 0.0F, 6.0F}, again);
+    ASSERT_TRUE(sailing) << sailing.error().message;
+    EXPECT_EQ(record(world, {2}).end, again);
+    EXPECT_EQ(record(world, sailing->box).hull, (Hull{140.0F, 21.0F}));
+    EXPECT_LE(gap(ship_place(record(world, sailing->box), again), there), 0.01);
+    EXPECT_EQ(world.state()->boxes.at(sailing->box)->name, "ferry");
+}
+
+TEST(Steering, ALyingShipIsTakenOutByAStopAndTracedOnNoLand) {
+    World world("test", nullptr, {});
+    apply(world, {0}, *world.plan(ferry(), {0}));
+    ASSERT_TRUE(steer(world, {{1}, 0.0F, 0.0F}, {100 * second}));
+    EXPECT_TRUE(world.on_land_at({200 * second}).empty());
+    const auto out = world.plan(StopWind{{2}}, {300 * second});
+    ASSERT_TRUE(out) << out.error().message;
+    apply(world, out->end, *out);
+    EXPECT_EQ(record(world, {2}).end, SeaTime{300 * second});
+    EXPECT_EQ(record(world, {2}).decay_us, 0);
+    EXPECT_EQ(world.plan(Steer{{2}, 0.0F, 5.0F}, {301 * second}).error().code, ErrorCode::already_ending);
+    EXPECT_TRUE(world.plan(ferry(), {301 * second})) << "her name is free again";
+}
+
+/// Logs written before boxes had hulls have the sizes in the wind's place, and those written since hold the same bytes.
+TEST(Steering, ALogWithoutHullsGivesShipsTheirs) {
+    World world("test", nullptr, {});
+    const auto planned = world.plan(ferry(), {0});
+    ASSERT_TRUE(planned);
+    EXPECT_EQ(planned->box.hull, Hull{});
+    BoxStarted old = *planned;
+    old.wind.fetch = to_lattice(85.0);
+    old.wind.width = to_lattice(12.5);
+    apply(world, {0}, old);
+    EXPECT_EQ(record(world, {1}).hull, (Hull{85.0F, 12.5F}));
+    World strange("test", nullptr, {});
+    old.wind.fetch = 0;
+    apply(strange, {0}, old);
+    EXPECT_EQ(record(strange, {1}).hull, Hull{}) << "a wake of unknown make";
 }
 
 TEST(Steering, StoppingAShipLetsItsWakeDie) {
@@ -259,15 +340,22 @@ TEST(Steering, AShipsNameIsHersWhileSheSails) {
     EXPECT_TRUE(world.plan(other, {200 * second}));
     other.name.clear();
     EXPECT_TRUE(world.plan(other, {200 * second}));
-    // Once she has stopped the name is free, while her wake still decays.
-    ASSERT_TRUE(steer(world, {turned->box, 0.0F, 0.0F}, {300 * second}));
-    EXPECT_TRUE(world.plan(ferry(), {300 * second}));
+    // She keeps it while she lies still; once she is taken out it is free, while her wake still decays.
+    const auto lying = steer(world, {turned->box, 0.0F, 0.0F}, {300 * second});
+    ASSERT_TRUE(lying);
+    EXPECT_FALSE(world.plan(ferry(), {300 * second}));
+    const auto out = world.plan(StopWind{lying->box}, {310 * second});
+    ASSERT_TRUE(out);
+    apply(world, out->end, *out);
+    EXPECT_TRUE(world.plan(ferry(), {310 * second}));
 }
 
 TEST(Steering, RefusalsSpeakOfSeaTimeInSeconds) {
     World world("test", nullptr, {});
     apply(world, {0}, *world.plan(ferry(), {0}));
-    ASSERT_TRUE(steer(world, {{1}, 0.0F, 0.0F}, {100'500'000}));
+    const auto out = world.plan(StopWind{{1}}, {100'500'000});
+    ASSERT_TRUE(out);
+    apply(world, out->end, *out);
     EXPECT_EQ(
         world.plan(StopWind{{1}}, {200 * second}).error().message,
         "box 1 decays from sea time 100.500000 s (0 d 00:01:40) on: it needs no stop and takes no course");
