@@ -286,12 +286,15 @@ void SessionLink::closed(const Goodbye& goodbye, CloseCause cause) {
     const int64_t now_us = client_monotonic_us();
     if (was_live && now_us - live_since_us_ > steady_after_us) failures_ = 0;
     const bool refused = cause == CloseCause::server_goodbye && !goodbye.retry;
-    const bool again = options_.reconnect && !ending_ && !refused;
+    // The same view and regions would come to the same again.
+    const bool too_much = cause == CloseCause::over_our_limit;
+    const bool again = options_.reconnect && !ending_ && !refused && !too_much;
     std::string reason = given_up_ ? *given_up_ : goodbye.message;
     if (cause == CloseCause::server_goodbye) reason = fmt::format("the server says: {}", goodbye.message);
     if (cause == CloseCause::refused_server && was_live)
         reason = fmt::format("the server broke the protocol ({} {})", static_cast<unsigned>(goodbye.code),
                              goodbye.message);
+    if (too_much) reason = fmt::format("a limit of this client: {}", goodbye.message);
     const int64_t pause = std::max<int64_t>(pause_ms(failures_++), goodbye.retry_after_ms);
     {
         const std::lock_guard lock(board_.mutex);

@@ -39,7 +39,10 @@ SceneInput SessionSeaSource::snapshot() {
     const std::shared_ptr<const StoreSnapshot> known = session_.snapshot();
     SceneInput input;
     // Results of an earlier session stay in the picture until the next one brings new ones.
-    if (known->key != CullKey{}) input.state = known->interest;
+    if (known->key != CullKey{}) {
+        input.state = known->interest;
+        input.sea = known->sea;
+    }
     input.now = session_.sea_time_now();
     input.terrain = extent_of(known->terrain);
     if (known->tiles != tiles_of_) {

@@ -44,6 +44,8 @@ struct Words {
     bool no_ships = false;
     bool no_spray = false;
     bool no_foam_history = false;
+    std::string detail;
+    bool time_passes = false;
     bool no_settings = false;
     bool list_presets = false;
 };
@@ -123,6 +125,9 @@ void describe_view(CLI::App& app, ViewerOptions& options, Words& words) {
     app.add_flag("--overlay", options.panels.numbers, "Show the numbers")->group(group);
     app.add_flag("--timers", options.panels.timers, "Show the frame graph and the GPU's passes")
         ->group(group);
+    app.add_flag("--time-passes", words.time_passes,
+                 "Wait for each pass, so that its time is right where the processor draws, too; slower")
+        ->group(group);
     app.add_flag("--keys", options.panels.help, "Show the keys")->group(group);
     app.add_option("--debug", words.debug, "Debug views: wireframe,boxes,rays,patches,fields")->group(group);
 }
@@ -130,6 +135,8 @@ void describe_view(CLI::App& app, ViewerOptions& options, Words& words) {
 void describe_picture(CLI::App& app, Words& words) {
     const char* group = "Picture";
     app.add_option("--quality", words.quality, "low, medium or high (medium)")->group(group);
+    app.add_option("--detail", words.detail, "full or lean; auto is lean where the processor draws (auto)")
+        ->group(group);
     app.add_option("--error-px", words.error_px,
                    "Height error that the mesh may show, pixels, instead of the quality's")
         ->check(CLI::Range(0.25, 100.0))
@@ -235,6 +242,7 @@ void take_over(const Words& words, DrawOptions& draw) {
     if (words.most_triangles) draw.most_triangles = *words.most_triangles;
     if (!words.hour.empty()) draw.hour = hour_of(words.hour);
     draw.coherent_land = words.coherent_land;
+    draw.time_passes = words.time_passes;
     draw.land = !words.no_land;
     draw.far_sea = !words.no_far_sea;
     draw.sky = !words.no_sky;
@@ -252,6 +260,7 @@ void take_over(const Words& words, ViewerOptions& options) {
         options.quality = quality_of(words.quality);
         set_quality(options.draw, options.quality);
     }
+    if (!words.detail.empty()) options.lean = lean_of(words.detail);
     take_over(words, options.draw);
     if (words.target_ms && words.target_fps)
         throw OperatorError("--target-ms and --target-fps say the same thing: give one of them.");

@@ -38,7 +38,8 @@ struct ViewerOptions {
     std::string preset;   ///< empty: none
     Quality quality = Quality::medium;
     DrawOptions draw = options_for(Quality::medium);
-    double target_ms = 0;  ///< frame time that the controller holds, 0: no controller
+    std::optional<bool> lean;  ///< DrawOptions::lean; else where the processor draws
+    double target_ms = 0;      ///< frame time that the controller holds, 0: no controller
     OverlayPanels panels;
     bool operator==(const ViewerOptions&) const = default;
 };

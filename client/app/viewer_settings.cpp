@@ -74,8 +74,8 @@ private:
 };
 
 std::string read(Reader& reader, ViewerSettings& s) {
-    reader.number("width", s.width, 16, 16'384);
-    reader.number("height", s.height, 16, 16'384);
+    reader.number("width", s.width, fewest_pixels, most_pixels);
+    reader.number("height", s.height, fewest_pixels, most_pixels);
     reader.flag("full_screen", s.full_screen);
     reader.flag("numbers", s.numbers);
     reader.name("quality", s.quality, quality_named, "low, medium or high");

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 
 #include "client/app/viewer_presets.hpp"
 #include "client/scene/layer_names.hpp"
@@ -131,6 +132,17 @@ bool ViewerState::press(const KeyPress& press, std::string& notice) {
             press_choice(press.action, notice);
             return true;
     }
+}
+
+void ViewerState::keep_in_reach(std::string& notice) {
+    if (!frozen_) return;
+    const LatticePoint here = fly_.camera().position;
+    const int64_t away =
+        std::max(std::abs(here.x - frozen_->position.x), std::abs(here.z - frozen_->position.z));
+    if (away <= anchor_reach) return;
+    frozen_.reset();
+    notice = fmt::format("The culling camera was left {:.0f} km behind, out of reach: it follows again",
+                         to_metres(away) / 1e3);
 }
 
 DrawOptions ViewerState::in_force() const { return budget_ ? budget_->apply(wanted_) : wanted_; }

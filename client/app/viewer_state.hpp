@@ -15,10 +15,14 @@ public:
     explicit ViewerState(const ViewerOptions& options);
     /// So many pictures after a change are drawn before what they took is known; 5 if nobody says otherwise.
     void expect_times_late(uint32_t pictures);
+    void set_lean(bool lean) { wanted_.lean = lean; }
 
     /// What a key asks for, as far as it is of the picture; false for those that are of the window or of files (close, full screen,
     /// picture, record). Gives words for people in `notice`, which is empty where the picture says enough.
     bool press(const KeyPress& press, std::string& notice);
+
+    /// A culling camera that was left so far behind (262 km) that no picture from here reaches its sea follows again; says so in `notice`.
+    void keep_in_reach(std::string& notice);
 
     /// All that is wanted, less what the controller has given up.
     DrawOptions in_force() const;

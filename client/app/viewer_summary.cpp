@@ -21,7 +21,8 @@ nlohmann::ordered_json choices_of(const ViewerSummary& s) {
         {"quality", name_of(s.quality)},
         {"preset", s.preset},
         {"mesher", name_of(s.options.mesher)},
-        {"refine", name_of(s.options.refinement)},
+        {"refine", name_of(refinement_in_force(s.options))},
+        {"detail", s.options.lean ? "lean" : "full"},
         {"displacement", name_of(s.options.displacement)},
         {"far", name_of(s.options.far_method)},
         {"hour", s.options.hour},
@@ -92,6 +93,7 @@ void write_summary(const std::string& path, const ViewerSummary& s) {
         {"gl", s.gl},
         {"options", choices_of(s)},
         {"pass_ms", s.median_pass_ms},
+        {"passes_waited_for", s.last.passes_waited},
         {"recorded_pictures", s.recorded_pictures},
     };
     if (s.budget) json["budget"] = budget_of(*s.budget);

@@ -29,10 +29,11 @@ void set_size(const std::string& text, Camera& camera) {
     unsigned width = 0;
     unsigned height = 0;
     char rest = 0;
-    if (std::sscanf(text.c_str(), "%ux%u%c", &width, &height, &rest) != 2 || width < 16 || height < 16 ||
-        width > 8192 || height > 8192)
+    if (std::sscanf(text.c_str(), "%ux%u%c", &width, &height, &rest) != 2 ||
+        std::min(width, height) < fewest_pixels || std::max(width, height) > most_pixels)
         throw OperatorError(
-            fmt::format("--size {}: give WIDTHxHEIGHT in pixels, each 16 to 8192, as in 1280x720.", text));
+            fmt::format("--size {}: give WIDTHxHEIGHT in pixels, each {} to {}, as in 1280x720.", text,
+                        fewest_pixels, most_pixels));
     camera.width = width;
     camera.height = height;
 }
@@ -50,6 +51,11 @@ void set_place(const std::string& text, Camera& camera) {
             "--camera {}: give X,Y,Z,YAW,PITCH: metres east, up and south, degrees clockwise from north and upwards "
             "(±89), as in 0,30,-2000,180,-5.",
             text));
+    if (v[1] < lowest_altitude_m || v[1] > highest_altitude_m)
+        throw OperatorError(fmt::format(
+            "--camera {}: the height, {:g} m, is not within {:g} to {:g} m above still water (--birds-eye "
+            "looks down from higher).",
+            text, v[1], lowest_altitude_m, highest_altitude_m));
     camera.position = {};
     camera.fraction_x = camera.fraction_z = 0;
     move(camera, v[0], v[1] - camera.altitude_m, v[2]);
@@ -82,11 +88,14 @@ void set_grid(const std::string& text, DrawOptions& options) {
     unsigned cells = 0;
     double spacing = 0;
     char rest = 0;
-    if (std::sscanf(text.c_str(), "%ux%lf%c", &cells, &spacing, &rest) != 2 || cells < 2 || cells > 1024 ||
-        !std::isfinite(spacing) || spacing < 1.0 / 1024.0 || spacing > 1024.0)
+    int exponent = 0;
+    const bool read = std::sscanf(text.c_str(), "%ux%lf%c", &cells, &spacing, &rest) == 2;
+    if (!read || cells == 0 || cells % grid_cells_step != 0 || cells > 1024 ||
+        std::frexp(spacing, &exponent) != 0.5 || spacing < 0.0625 || spacing > 64.0)
         throw OperatorError(fmt::format(
-            "--grid {}: give CELLSxSPACING: cells along a side, 2 to 1024, and their length, 0.001 to 1024 m, as in 256x2.",
-            text));
+            "--grid {}: give CELLSxSPACING: cells along a side, a multiple of {} up to 1024, and their length, a power "
+            "of two from 0.0625 to 64 m, as in 256x2.",
+            text, grid_cells_step));
     options.grid_cells = cells;
     options.grid_spacing_m = static_cast<float>(spacing);
 }
@@ -140,6 +149,12 @@ MesherKind mesher_of(const std::string& text) {
 Displacement displacement_of(const std::string& text) {
     return named(displacement_named(text), "--displacement", text, "trains, noise and fft");
 }
+std::optional<bool> lean_of(const std::string& text) {
+    if (text == "auto") return std::nullopt;
+    if (text == "full" || text == "lean") return text == "lean";
+    throw OperatorError(fmt::format("--detail {}: give full, lean or auto.", text));
+}
+
 FarMethod far_method_of(const std::string& text) {
     return named(far_method_named(text), "--far", text, "combined, spectrum and texture");
 }

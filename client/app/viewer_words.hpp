@@ -1,4 +1,5 @@
 #pragma once
+#include <optional>
 #include <string>
 
 #include "client/scene/camera.hpp"
@@ -24,6 +25,8 @@ Layers layers_of(const std::string& text);
 Quality quality_of(const std::string& text);
 MesherKind mesher_of(const std::string& text);
 Displacement displacement_of(const std::string& text);
+/// Nothing for "auto".
+std::optional<bool> lean_of(const std::string& text);
 FarMethod far_method_of(const std::string& text);
 Refinement refinement_of(const std::string& text);
 

@@ -8,6 +8,7 @@
 
 #include "client/gpu/picture_file.hpp"
 #include "client/scene/median.hpp"
+#include "protocol/model/sea_clock.hpp"
 #include "protocol/units/operator_error.hpp"
 
 namespace trochoid {
@@ -29,6 +30,8 @@ constexpr size_t graph_frames = 120;
 constexpr double notice_s = 4.0;
 /// A sea that has told nothing new for so long has told what it had to.
 constexpr double settled_after_s = 0.8;
+/// Seconds of sea time that go by in a second at most.
+constexpr double fastest_sea = largest_rate_q16 / 65536.0;
 /// A window draws at least this often, whatever it waits for.
 constexpr double longest_wait_s = 0.1;
 /// Medians are over the last frames: a window that stays open for days shall not grow.
@@ -46,6 +49,24 @@ void keep(std::vector<double>& values, double value) {
     values.push_back(value);
 }
 
+double seconds_of(SeaTime t) { return static_cast<double>(t.us) * 1e-6; }
+
+/// Offscreen nobody sees a picture wait for its sea time: refuses a wait that is over, or that no patience sees the end of.
+void check_wait(SeaTime wanted, SeaTime known_until, double waited_s, double patience_s) {
+    const double known = seconds_of(known_until);
+    const double ahead = static_cast<double>(wanted - known_until) * 1e-6;
+    if (ahead > fastest_sea * patience_s)
+        throw OperatorError(fmt::format(
+            "Sea time {:.3f} s never comes: the sea is at {:.3f} s, and --patience, {:g} s, takes it to {:.3f} s at most "
+            "({:g} s of sea time a second). Name an --at up to there, or have more patience.",
+            seconds_of(wanted), known, patience_s, known + fastest_sea * patience_s, fastest_sea));
+    if (waited_s > patience_s)
+        throw OperatorError(fmt::format(
+            "Sea time {:.3f} s is still {:.1f} s ahead of the sea, and --patience is over. Name an earlier --at, or have more "
+            "patience.",
+            seconds_of(wanted), ahead));
+}
+
 }  // namespace
 
 Viewing::Viewing(SeaSource& source, const ViewerOptions& options)
@@ -59,6 +80,7 @@ Viewing::Viewing(SeaSource& source, const ViewerOptions& options)
     renderer_ = std::make_unique<Renderer>();
     overlay_ = std::make_unique<Overlay>(window_.get(), options.text_scale);
     software_ = is_software_gl();
+    state_.set_lean(options.lean.value_or(software_));
     // Then each picture is done when its time is taken.
     if (software_ || !window_) state_.expect_times_late(1);
     last_news_ = Clock::now();
@@ -103,6 +125,9 @@ void Viewing::steer(double seconds) {
     FlyCamera& fly = state_.fly();
     fly.resize(window_->pixel_width(), window_->pixel_height());
     fly.fly(window_->take_input(), seconds);
+    std::string notice;
+    state_.keep_in_reach(notice);
+    if (!notice.empty()) tell(notice);
 }
 
 void Viewing::press(const KeyPress& key) {
@@ -177,16 +202,21 @@ SceneInput Viewing::take_input() {
         if (shows_known_time_ || (window_ && waited > longest_wait_s) || !input.state) {
             if (wanted && shows_known_time_) input.now = *wanted;
             sea_time_ = input.now;
+            if (wanted && input.state) tell_of_wait(*wanted, input.statistics.known_until);
             return input;
         }
-        if (waited > options_.patience_s)
-            throw OperatorError(fmt::format(
-                "Sea time {:.3f} s is still {:.1f} s ahead of the sea, and --patience is over. Name an earlier --at, or have more "
-                "patience.",
-                static_cast<double>(wanted->us) * 1e-6,
-                static_cast<double>(*wanted - input.statistics.known_until) * 1e-6));
+        if (!window_) check_wait(*wanted, input.statistics.known_until, waited, options_.patience_s);
         std::this_thread::sleep_for(std::chrono::milliseconds(2));
     }
+}
+
+/// A window shows the sea as it is until the time asked for has come: once that is said.
+void Viewing::tell_of_wait(SeaTime wanted, SeaTime known_until) {
+    const bool waits = wanted - known_until > microseconds_per_second;
+    if (waits && !told_of_wait_)
+        tell(fmt::format("Sea time {:.3f} s is {:.1f} s ahead: until then the sea as it is",
+                         seconds_of(wanted), static_cast<double>(wanted - known_until) * 1e-6));
+    told_of_wait_ = waits;
 }
 
 void Viewing::note(const SceneInput& input) {

@@ -62,6 +62,7 @@ private:
     void stop_recording_with(const std::string& why);
     void tell_view();
     SceneInput take_input();
+    void tell_of_wait(SeaTime wanted, SeaTime known_until);
     void note(const SceneInput& input);
     void report_link(const std::string& state);
     void draw(const SceneInput& input);
@@ -95,6 +96,7 @@ private:
 
     std::unique_ptr<Recording> recording_;
     Clock::time_point recording_since_;
+    bool told_of_wait_ = false;
     std::string notice_;
     Clock::time_point notice_until_;
     std::string title_;

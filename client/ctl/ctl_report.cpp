@@ -52,14 +52,19 @@ Json json_of(const BoxSummary& box, SeaTime now) {
                 {"x_m", to_metres(box.at.x)},
                 {"z_m", to_metres(box.at.z)},
                 {"vx_m_s", box.vx},
-                {"vz_m_s", box.vz}};
+                {"vz_m_s", box.vz},
+                {"length_m", box.hull.length},
+                {"beam_m", box.hull.beam}};
 }
 
 /// What came of a command, with a place for the time.
 struct Outcome {
     std::string operator()(const StartWind&) const { return "the wind starts at sea time {}"; }
     std::string operator()(const StartShip&) const { return "the ship starts at sea time {}"; }
-    std::string operator()(const Steer&) const { return "the new course holds from sea time {} on"; }
+    std::string operator()(const Steer& steer) const {
+        return steer.speed == 0.0F ? "lies still from sea time {} on"
+                                   : "the new course holds from sea time {} on";
+    }
     std::string operator()(const StopWind&) const { return "the decay starts at sea time {}"; }
     std::string operator()(const ChangeLand&) const { return "the land changes at sea time {}"; }
     std::string operator()(const SetRate& rate) const {
@@ -97,6 +102,8 @@ std::string sea_time_text(SeaTime time) {
 
 const char* stage_of(const BoxSummary& box, SeaTime now) {
     if (now < box.begin) return "waiting";
+    // A ship whose box has a hull and does not move.
+    if (now < box.end && box.kind == BoxKind::ship && box.vx == 0.0F && box.vz == 0.0F) return "lying";
     if (now < box.end) return box.gain_now < 1.0F ? "growing" : "grown";
     return now < box.end + box.decay_us ? "decaying" : "over";
 }
@@ -125,7 +132,8 @@ std::string report(const BoxList& list, bool json) {
                      {"X m"},
                      {"Z m"},
                      {"MOVES m/s"},
-                     {"COURSE"}});
+                     {"COURSE"},
+                     {"HULL m"}});
     for (const BoxSummary& b : list.boxes) {
         const std::optional<Motion> motion = motion_of(b);
         table.add({fmt::to_string(b.box.value), b.name, kind_of(b), stage_of(b, list.now),
@@ -135,7 +143,8 @@ std::string report(const BoxList& list, bool json) {
                    seconds_text(b.end), fmt::format("{:.1f}", static_cast<double>(b.decay_us) * 1e-6),
                    fmt::format("{:.0f}", to_metres(b.at.x)), fmt::format("{:.0f}", to_metres(b.at.z)),
                    motion ? fmt::format("{:.1f}", motion->speed) : "-",
-                   motion ? fmt::format("{:.0f}°", motion->heading) : "-"});
+                   motion ? fmt::format("{:.0f}°", motion->heading) : "-",
+                   has_hull(b.hull) ? fmt::format("{:g} x {:.1f}", b.hull.length, b.hull.beam) : "-"});
     }
     return out + table.text();
 }

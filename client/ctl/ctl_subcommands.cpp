@@ -210,17 +210,18 @@ void CtlSubcommands::add_steer(CLI::App& app) {
     steer_ = app.add_subcommand("steer", "Give a ship or a moving wind a new course");
     add_box(*steer_, "Number of its box, as `list` shows it");
     add_towards(*steer_, "New course in degrees clockwise from north");
-    steer_->add_option("--speed", typed_.speed, "m/s: ships 0 (stops) to 30, winds 0 to 100")
+    steer_->add_option("--speed", typed_.speed, "m/s: ships 0 (lies still) to 30, winds 0 to 100")
         ->required()
         ->check(within(0.0, static_cast<double>(fastest_wind_box)));
     add_when(*steer_);
     steer_->footer(
         "Example:\n  trochoid-ctl --token-file director-token steer 5 --towards 90 --speed 6 --in 30\n"
-        "A ship's wake so far decays under its number; she goes on under the number that the answer names.");
+        "A ship's wake so far decays under its number; she goes on under the number that the answer names. At speed 0\n"
+        "she lies still, turned as she was (--towards counts for winds alone), until she gets another course.");
 }
 
 void CtlSubcommands::add_stop(CLI::App& app) {
-    stop_ = app.add_subcommand("stop-wind", "End a wind or a ship: the waves decay from then on");
+    stop_ = app.add_subcommand("stop-wind", "End a wind, or take a ship out: the waves decay from then on");
     stop_->alias("stop");
     add_box(*stop_, "Number of its wave train box, as `list` shows it");
     add_when(*stop_);

@@ -6,6 +6,9 @@ namespace trochoid {
 
 namespace {
 
+/// Deeper ground is not seen through the water (hidden_depth of coherent_land.vert).
+constexpr float hidden_depth_m = 12.0F;
+
 /// The sides of the bed map in place of the view's: what lies outside is coarse and left out.
 std::array<glm::vec4, 4> sides_of(const BedMap& bed, LatticePoint eye) {
     const auto west = static_cast<float>(to_metres(eye.x - bed.origin_x));
@@ -21,7 +24,8 @@ std::array<glm::vec4, 4> sides_of(const BedMap& bed, LatticePoint eye) {
 CoherentLand::CoherentLand() : cell_uniform_(program_.uniform("cell")) {}
 
 void CoherentLand::prepare(const FrameUniforms& frame, GLuint frame_buffer, LatticePoint anchor,
-                           const MeshEye& eye, const BedMap& bed, uint32_t most_triangles) {
+                           const MeshEye& eye, const FrustumPlanes& planes, const BedMap& bed,
+                           uint32_t most_triangles) {
     work_ = {};
     if (bed.columns < 2 || bed.rows < 2) return;
     anchor_ = anchor;
@@ -39,8 +43,8 @@ void CoherentLand::prepare(const FrameUniforms& frame, GLuint frame_buffer, Latt
     uniforms_.fill(GL_UNIFORM_BUFFER, std::span<const FrameUniforms>(&u, 1), GL_STREAM_DRAW);
     glBindBufferBase(GL_UNIFORM_BUFFER, frame_binding, uniforms_.name());
     work_ = mesh_.update(anchor, own, most_triangles);
-    mesh_.list_visible(anchor,
-                       {std::max(0.0F, *std::max_element(bed.heights.begin(), bed.heights.end())), false});
+    const float highest = *std::max_element(bed.heights.begin(), bed.heights.end());
+    mesh_.list_visible(anchor, planes, std::max(highest, hidden_depth_m));
     glBindBufferBase(GL_UNIFORM_BUFFER, frame_binding, frame_buffer);
 }
 

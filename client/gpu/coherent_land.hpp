@@ -10,10 +10,11 @@ class CoherentLand {
 public:
     CoherentLand();
 
-    /// Makes the mesh for an eye as the sea's, no finer than the bed map and coarse outside of it. The sea's buffers are bound;
+    /// Makes the mesh for an eye as the sea's, no finer than the bed map and coarse outside of it; of it, what may lie inside the
+    /// eye's `planes` is drawn. The sea's buffers are bound;
     /// `frame` is the block that is drawn with, which the binding point holds again afterwards.
     void prepare(const FrameUniforms& frame, GLuint frame_buffer, LatticePoint anchor, const MeshEye& eye,
-                 const BedMap& bed, uint32_t most_triangles);
+                 const FrustumPlanes& planes, const BedMap& bed, uint32_t most_triangles);
     /// Draws what prepare() made; `frame_buffer` as there.
     void draw(GLuint frame_buffer, bool wireframe);
 

@@ -239,14 +239,15 @@ CoherentWork CoherentMesh::update(LatticePoint anchor, const MeshEye& eye, uint3
     return work;
 }
 
-void CoherentMesh::list_visible(LatticePoint anchor, const Choice& choice) {
-    if (listed_for_ && made_for_ && listed_for_->same_as(*made_for_) && listed_ == choice) return;
+void CoherentMesh::list_visible(LatticePoint anchor, const FrustumPlanes& planes, float reach_m) {
+    FrustumPlanes wider = planes;
+    for (glm::vec4& plane : wider) plane.w += reach_m;
+    if (listed_for_ && made_for_ && listed_for_->same_as(*made_for_) && listed_ == wider) return;
     reserve_list(stores_[current_].capacity);
     const glm::ivec2 origin = difference(window_.origin(), anchor);
     cull_.use();
     glUniform2i(cull_.uniform("mesh_origin"), origin.x, origin.y);
-    glUniform1f(cull_.uniform("height"), choice.height_m);
-    glUniform1i(cull_.uniform("everything"), choice.everything ? 1 : 0);
+    glUniform4fv(cull_.uniform("planes"), static_cast<GLsizei>(wider.size()), &wider[0].x);
     glEnable(GL_RASTERIZER_DISCARD);
     glBindBufferBase(GL_TRANSFORM_FEEDBACK_BUFFER, 0, list_.name());
     glBeginQuery(GL_TRANSFORM_FEEDBACK_PRIMITIVES_WRITTEN, queries_[3]);
@@ -259,7 +260,7 @@ void CoherentMesh::list_visible(LatticePoint anchor, const Choice& choice) {
     glDisable(GL_RASTERIZER_DISCARD);
     visible_.reset();
     listed_for_ = made_for_;
-    listed_ = choice;
+    listed_ = wider;
 }
 
 uint32_t CoherentMesh::visible() {

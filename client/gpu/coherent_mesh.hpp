@@ -30,14 +30,9 @@ public:
     /// be bound. Of more triangles than `most_triangles` all are made coarser alike. Leaves program, layout and
     /// transform feedback binding changed.
     CoherentWork update(LatticePoint anchor, const MeshEye& eye, uint32_t most_triangles);
-    /// What of the mesh is drawn.
-    struct Choice {
-        float height_m = 0;       ///< that the surface may rise beyond the waves, which are in MeshEye::sides
-        bool everything = false;  ///< in view or not
-        bool operator==(const Choice&) const = default;
-    };
-    /// Lists what the eye of the last update() may see, with the same Frame block; what is left out costs no vertex.
-    void list_visible(LatticePoint anchor, const Choice& choice);
+    /// Lists what may lie inside a view's planes (relative to the eye of the last update()) where the surface moves by up to
+    /// `reach_m`, with the same Frame block; what is left out costs no vertex. The mesh itself stays as it is.
+    void list_visible(LatticePoint anchor, const FrustumPlanes& planes, float reach_m);
     /// Number of triangles listed; waits for the GPU the first time.
     uint32_t visible();
 
@@ -95,7 +90,7 @@ private:
     size_t list_capacity_ = 0;         // triangles
     std::optional<uint32_t> visible_;  // in the list; unknown until the GPU has told
     std::optional<Eye> listed_for_;
-    Choice listed_;
+    FrustumPlanes listed_{};    // moved outwards by the surface's reach
     Store fresh_;               // base triangles that a moved window brings in
     uint32_t fresh_count_ = 0;  // of them
     size_t current_ = 0;        // which store holds the mesh

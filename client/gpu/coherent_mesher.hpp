@@ -17,12 +17,12 @@ public:
     CoherentMesh& mesh() { return mesh_; }
 
 private:
-    bool everything_;  // drawn, in view or not
     CoherentMesh mesh_;
     ShaderProgram program_;
     GlVertexArray nothing_;
     CoherentWork work_;
     LatticePoint anchor_;
+    uint32_t triangles_per_draw_ = 1;
 };
 
 }  // namespace trochoid

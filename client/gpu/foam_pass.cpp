@@ -76,8 +76,10 @@ glm::vec4 FoamPass::place(const Camera& camera, const CameraFrame& frame, SeaTim
 void FoamPass::run(const SeaWeather& weather, int64_t steps) {
     const bool history = steps > 0;
     const float caps = whitecap_share(weather.wind_m_s);
-    // What breaks at one moment is a part of the foam that lies there; without a history all of it is taken at once.
-    const float breaking = std::max(caps * (history ? 0.20F : 0.8F), 1e-5F);
+    // What breaks at one moment is a part of the foam that lies there, the less the longer crests break; without a history all of
+    // it is taken at once.
+    const float part = std::clamp(0.7F - 0.035F * (weather.wind_m_s - 12.0F), 0.25F, 0.7F);
+    const float breaking = std::max(caps * (history ? part : 0.8F), 1e-5F);
     program_.use();
     const auto texel = static_cast<int32_t>(to_lattice(map_side_m) / side_);
     glUniform4i(program_.uniform("window"), static_cast<GLint>(middle_.x - anchor_.x),
@@ -113,6 +115,11 @@ void FoamPass::update(bool wanted, const SeaWeather& weather) {
         done_middle_ = middle_;
     }
     bind();
+}
+
+void FoamPass::set_smaller_filter(GLenum filter) {
+    detail_.bind(GL_TEXTURE_2D, foam_detail_unit);
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, static_cast<GLint>(filter));
 }
 
 void FoamPass::bind() const { maps_[current_].bind(GL_TEXTURE_2D, foam_unit); }

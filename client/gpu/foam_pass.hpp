@@ -31,6 +31,8 @@ public:
     /// bound; framebuffer and viewport are changed.
     void update(bool wanted, const SeaWeather& weather);
     void bind() const;
+    /// Of what foam looks like, where it is smaller than its finest level.
+    void set_smaller_filter(GLenum filter);
     /// Texels along the map; 0 where there is none.
     uint32_t side() const { return place_known_ ? side_ : 0; }
     /// Wavelength from which waves fold here, m.

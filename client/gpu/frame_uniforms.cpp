@@ -86,7 +86,7 @@ FrameUniforms make_uniforms(const FrameInputs& in) {
                  static_cast<float>(std::fmod(seconds, 200'000.0) * 0.004)};
     u.foam = {0.6F, 1.1F, in.bed.open_sea_m, in.bed.belt_m};
     u.choice = {static_cast<int>(in.options.displacement), static_cast<int>(in.options.far_method),
-                static_cast<int>(eye.refinement), 0};
+                static_cast<int>(eye.refinement), in.options.foam_share ? 1 : 0};
     const float length = glm::length(in.weather.heading);
     u.wind = {length > 1e-6F ? in.weather.heading / length : glm::vec2(1, 0), in.weather.wind_m_s,
               static_cast<float>(in.options.hour)};

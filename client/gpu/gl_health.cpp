@@ -33,6 +33,10 @@ bool is_software_gl() {
     return false;
 }
 
+void begin_drawing() {
+    if (is_software_gl()) glFlush();
+}
+
 GlHealth::GlHealth()
     : tells_resets_(epoxy_gl_version() >= 45 || epoxy_has_gl_extension("GL_KHR_robustness")) {}
 

@@ -9,6 +9,10 @@ std::string describe_gl();
 /// Whether the processor draws (Mesa's llvmpipe and the like).
 bool is_software_gl();
 
+/// Where the processor draws, it begins only when it is told to, and takes the vertices on one core: what has been told so far is drawn
+/// on the others meanwhile. On a GPU, which does so anyway, nothing.
+void begin_drawing();
+
 /// Looks after the current context, once a frame.
 class GlHealth {
 public:

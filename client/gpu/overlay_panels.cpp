@@ -120,15 +120,15 @@ void choice_rows(const OverlayContent& c) {
         mesher += fmt::format(" {} x {} m", o.grid_cells, static_cast<double>(o.grid_spacing_m));
     if (o.mesher == MesherKind::projected)
         mesher += fmt::format(", attention {:.2f}", static_cast<double>(o.attention));
-    row("Mesher", fmt::format("{}, refined by {}", mesher, name_of(o.refinement)));
+    row("Mesher", fmt::format("{}, refined by {}", mesher, name_of(refinement_in_force(o))));
     row("Shown", fmt::format("{}, far {}, {} light", name_of(o.displacement), name_of(o.far_method),
                              hour_text(o.hour)));
     const std::string scale = o.render_scale < 1.0F ? fmt::format(", {:.0f} % of the resolution",
                                                                   static_cast<double>(o.render_scale) * 100.0)
                                                     : "";
-    row("Quality",
-        fmt::format("{}, {} sample{} a pixel{}{}{}", name_of(c.quality), o.samples, o.samples == 1 ? "" : "s",
-                    scale, c.preset.empty() ? "" : ", preset ", c.preset));
+    row("Quality", fmt::format("{}, {} sample{} a pixel{}{}{}{}", name_of(c.quality), o.samples,
+                               o.samples == 1 ? "" : "s", scale, o.lean ? ", lean" : "",
+                               c.preset.empty() ? "" : ", preset ", c.preset));
 }
 
 void source_rows(const OverlayContent& c) {
@@ -247,6 +247,7 @@ void frame_graph(const OverlayContent& c) {
 void pass_rows(const FrameReport& report) {
     double longest = 0.1;
     for (const PassTime& pass : report.passes) longest = std::max(longest, pass.ms);
+    if (report.passes_waited) ImGui::TextColored(pale, "each pass waited for");
     if (!ImGui::BeginTable("passes", 3, ImGuiTableFlags_SizingFixedFit)) return;
     for (const PassTime& pass : report.passes) {
         ImGui::TableNextRow();

@@ -1,6 +1,15 @@
 #include "client/gpu/patch_mesher.hpp"
 
+#include "client/gpu/gl_health.hpp"
+
 namespace trochoid {
+
+namespace {
+
+/// Each beginning costs a renderer on the processor a walk over the picture's tiles.
+constexpr uint32_t triangles_at_once = 10'000;
+
+}  // namespace
 
 PatchMesher::PatchMesher(MesherUse use)
     : program_(stages_of(use, {"sea.vert", "sea.tesc", "sea.tese"}), options_of(use)) {
@@ -25,8 +34,14 @@ void PatchMesher::bind() {
 
 void PatchMesher::draw() {
     glPatchParameteri(GL_PATCH_VERTICES, 1);
-    for (const SeaBatch& batch : mesh_.batches)
+    uint32_t told = 0;
+    for (const SeaBatch& batch : mesh_.batches) {
         glDrawArrays(GL_PATCHES, static_cast<GLint>(batch.first), static_cast<GLsizei>(batch.count));
+        told += batch.triangles;
+        if (told < triangles_at_once) continue;
+        begin_drawing();
+        told = 0;
+    }
 }
 
 }  // namespace trochoid

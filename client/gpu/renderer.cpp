@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cmath>
 
+#include "client/gpu/gl_health.hpp"
 #include "client/scene/debug_lines.hpp"
 #include "protocol/model/displayed.hpp"
 
@@ -83,7 +84,7 @@ Renderer::Chosen Renderer::choose(const SceneInput& input, const Camera& camera,
     chosen.planes = planes_of(chosen.culling, depth_range_);
     const WaveBounds waves = sea_table_.bounds_of_list(0);
     chosen.eye = mesh_eye(chosen.culling, filter_of(camera, options, input.statistics.error_in_force_px),
-                          options.refinement, chosen.planes, waves.height + waves.displacement);
+                          refinement_in_force(options), chosen.planes, waves.height + waves.displacement);
     chosen.land = select_terrain(tiles_, chosen.culling, chosen.planes, radians_per_pixel(camera),
                                  options.land_error_px);
     SeaMesh patches;
@@ -111,8 +112,8 @@ void Renderer::upload(const Chosen& chosen, const Camera& camera, SeaTime now, c
     buffers_.bind();
     if (options.land && options.coherent_land) {
         if (!coherent_land_) coherent_land_ = std::make_unique<CoherentLand>();
-        coherent_land_->prepare(uniforms, uniforms_.name(), chosen.culling.anchor, chosen.eye, bed_,
-                                options.most_triangles);
+        coherent_land_->prepare(uniforms, uniforms_.name(), chosen.culling.anchor, chosen.eye, chosen.planes,
+                                bed_, options.most_triangles);
     }
     sky_.prepare(now, uniforms);
     timers_.begin_pass("foam");
@@ -157,9 +158,11 @@ void Renderer::draw_passes(const Chosen& chosen, const Camera& camera, const Dra
     timers_.begin_pass("ships");
     ships_.draw(chosen.ships, chosen.frame, options.wireframe);
     timers_.begin_pass("sea");
+    begin_drawing();
     draw_near_sea(mesher_of(options.mesher), options.wireframe);
     timers_.begin_pass("far sea");
-    if (options.far_sea) far_sea_.draw(camera, horizon_m(camera.altitude_m));
+    // Between the lines of a wireframe it would look like the water that they stand for.
+    if (options.far_sea && !options.wireframe) far_sea_.draw(camera, horizon_m(camera.altitude_m));
     timers_.begin_pass("sky");
     if (options.sky) {
         glDepthFunc(reversed ? GL_GEQUAL : GL_LEQUAL);
@@ -170,6 +173,16 @@ void Renderer::draw_passes(const Chosen& chosen, const Camera& camera, const Dra
     if (options.spray) spray_.draw(foam_, weather_.wind_m_s, camera.height);
     timers_.begin_pass("lines");
     lines_.draw(chosen.lines);
+}
+
+/// Which levels of a texture a look-up mixes; where the processor draws, each costs as much as the first.
+void Renderer::set_lean(bool lean) {
+    if (lean == lean_) return;
+    lean_ = lean;
+    const GLenum smaller = lean ? GL_LINEAR_MIPMAP_NEAREST : GL_LINEAR_MIPMAP_LINEAR;
+    buffers_.set_smaller_filter(smaller);
+    foam_.set_smaller_filter(smaller);
+    sky_.set_smaller_filter(smaller);
 }
 
 FrameReport Renderer::report_of(const Chosen& chosen, const MeshCounts& mesh) const {
@@ -186,6 +199,7 @@ FrameReport Renderer::report_of(const Chosen& chosen, const MeshCounts& mesh) co
     report.vertex_angle = chosen.eye.filter.angle_per_vertex;
     report.gpu_ms = timers_.total_ms();
     report.passes = timers_.passes();
+    report.passes_waited = timers_.waited();
     return report;
 }
 
@@ -195,7 +209,10 @@ FrameReport Renderer::draw(const RenderTarget& target, const SceneInput& input, 
     take_over(input);
     Chosen chosen = choose(input, camera, culling_camera, options);
     if (options.ships) chosen.ships = ship_waters_.ships(input, camera);
-    timers_.begin_frame();
+    set_lean(options.lean);
+    timers_.begin_frame(options.time_passes);
+    // Passes that only make a mesh draw nothing, yet OpenGL wants a complete framebuffer for them, too.
+    target.bind();
     timers_.begin_pass("light");
     upload(chosen, camera, input.now, options);
     timers_.begin_pass("mesh");

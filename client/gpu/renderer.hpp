@@ -49,6 +49,7 @@ private:
     void draw_near_sea(Mesher& mesher, bool wireframe);
     /// The one asked for, made when it is first wanted.
     Mesher& mesher_of(MesherKind kind);
+    void set_lean(bool lean);
     FrameReport report_of(const Chosen& chosen, const MeshCounts& mesh) const;
 
     DepthRange depth_range_;
@@ -80,6 +81,7 @@ private:
 
     PatchDirectory directory_;
     PassTimers timers_;
+    bool lean_ = false;  // how textures are filtered now
 };
 
 }  // namespace trochoid

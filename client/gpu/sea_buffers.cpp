@@ -61,6 +61,11 @@ void SeaBuffers::set_bed(const BedMap& bed) {
         glTexParameteri(GL_TEXTURE_2D, filter, GL_LINEAR);
 }
 
+void SeaBuffers::set_smaller_filter(GLenum filter) {
+    ripples_.bind(GL_TEXTURE_2D, ripples_unit);
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, static_cast<GLint>(filter));
+}
+
 void SeaBuffers::bind() const {
     records_.bind(records_unit);
     lists_.bind(lists_unit);

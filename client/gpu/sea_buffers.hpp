@@ -19,6 +19,8 @@ public:
     void set_directory(const PatchDirectory& directory);
     void set_land(const LandTable& land);
     void set_bed(const BedMap& bed);
+    /// Of the ripples, where they are smaller than their finest level.
+    void set_smaller_filter(GLenum filter);
     void bind() const;
 
 private:

@@ -87,6 +87,11 @@ void SkyPass::prepare(SeaTime now, const FrameUniforms& frame) {
     reflected_.bind(GL_TEXTURE_CUBE_MAP, sky_unit);
 }
 
+void SkyPass::set_smaller_filter(GLenum filter) {
+    reflected_.bind(GL_TEXTURE_CUBE_MAP, sky_unit);
+    glTexParameteri(GL_TEXTURE_CUBE_MAP, GL_TEXTURE_MIN_FILTER, static_cast<GLint>(filter));
+}
+
 void SkyPass::draw() {
     picture_.use();
     nothing_.bind();

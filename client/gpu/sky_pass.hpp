@@ -21,6 +21,8 @@ public:
     /// Draws the reflected cube map where clouds or weather have changed, once in two seconds of sea time at most, and binds it.
     /// The Frame block must be bound; the framebuffer and viewport are changed.
     void prepare(SeaTime now, const FrameUniforms& frame);
+    /// Of the reflected cube map's levels.
+    void set_smaller_filter(GLenum filter);
     /// The picture's sky; depth function and framebuffer are the caller's.
     void draw();
 

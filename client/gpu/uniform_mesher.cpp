@@ -5,6 +5,8 @@
 #include <cstdlib>
 #include <tuple>
 
+#include "client/gpu/gl_health.hpp"
+
 namespace trochoid {
 
 namespace {
@@ -99,6 +101,7 @@ void UniformMesher::draw() {
         glVertexAttribIPointer(0, 2, GL_INT, sizeof(glm::ivec2), buffer_offset(first * sizeof(glm::ivec2)));
         glDrawElementsInstanced(GL_TRIANGLES, index_count_, GL_UNSIGNED_SHORT, nullptr,
                                 static_cast<GLsizei>(count));
+        if (count == tiles_a_draw_) begin_drawing();
     }
 }
 

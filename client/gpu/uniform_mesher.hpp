@@ -12,7 +12,7 @@ namespace trochoid {
 class UniformMesher : public Mesher {
 public:
     /// Cells along a side of a tile; the grid's side is rounded up to whole tiles.
-    static constexpr int tile_cells = 32;
+    static constexpr int tile_cells = grid_cells_step;
 
     explicit UniformMesher(MesherUse use);
     MeshCounts prepare(const MesherInput& input) override;

@@ -198,7 +198,8 @@ void Connection::refuse(const Error& error) {
         goodbye.message =
             fmt::format("what listens at {} does not speak Trochoid's protocol ({}): check --connect",
                         impl_->server(), error.message);
-    part(goodbye, CloseCause::refused_server);
+    part(goodbye,
+         error.code == ErrorCode::too_much_land ? CloseCause::over_our_limit : CloseCause::refused_server);
 }
 
 void Connection::part(const Goodbye& goodbye, CloseCause cause) {

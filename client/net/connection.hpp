@@ -24,6 +24,7 @@ enum class CloseCause : uint8_t {
     server_goodbye,  ///< the server said why; the Goodbye is its own
     refused_server,  ///< the server broke the standard; the Goodbye is what we told it
     closed_here,     ///< we asked for it
+    over_our_limit,  ///< what we asked for is more than we can hold; the server has broken nothing
     lost,            ///< no answer, refused or reset; the message says which and what to do
 };
 
@@ -53,7 +54,8 @@ public:
     void send(const ClientMessage& message);
     /// Says goodbye, gives it a second to leave, closes.
     void close(const Goodbye& goodbye);
-    /// Ends because the server broke the standard: it is told the code, and `closed` says refused_server.
+    /// Ends because the server broke the standard, or because of a limit of our own (too_much_land): it is told the code, and `closed`
+    /// says refused_server or over_our_limit.
     void refuse(const Error& error);
     /// From any thread.
     Traffic traffic() const;

@@ -11,9 +11,6 @@ namespace trochoid {
 
 namespace {
 
-constexpr double lowest_altitude_m = 0.5;
-/// From here the horizon is 196 km away, within what shaders address.
-constexpr double highest_altitude_m = 3'000.0;
 /// Tangents of half-angles that a view may state (protocol/model/view.hpp).
 constexpr float narrowest_told = 0.01F;
 constexpr float widest_told = 20.0F;

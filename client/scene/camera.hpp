@@ -24,7 +24,14 @@ struct Camera {
     bool operator==(const Camera&) const = default;
 };
 
-/// Moves by metres, carrying whole lattice units; held inside the world's bounds.
+/// How high a camera may stand above still water, metres. From the highest the horizon is 196 km away, within what shaders address.
+inline constexpr double lowest_altitude_m = 0.5;
+inline constexpr double highest_altitude_m = 3'000.0;
+/// Width and height of a picture, pixels: what a view may state (the standard's chapter 10), and the fewest that show anything.
+inline constexpr uint32_t fewest_pixels = 16;
+inline constexpr uint32_t most_pixels = 16'384;
+
+/// Moves by metres, carrying whole lattice units; held inside the world's bounds and heights.
 void move(Camera& camera, double east_m, double up_m, double south_m);
 
 /// Unit vector of the line of sight, x east, y up, z south.

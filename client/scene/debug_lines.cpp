@@ -78,7 +78,7 @@ void add_rectangle(Drawing& drawing, const PlacedBox& b, int64_t u0, int64_t u1,
 /// Where a moving box's middle (a ship: its place) was and will be within an hour, leg by leg, with a point at every turn.
 void add_course(Drawing& drawing, const PlacedBox& b, SeaTime now) {
     constexpr int64_t shown_us = int64_t{3600} * microseconds_per_second;
-    const bool ship = has_wake(b.box.wake);
+    const bool ship = is_ship(b.box);
     const LatticePoint here = b.at(ship ? b.box.length : b.box.length / 2, b.box.width / 2);
     const auto middle = [&](LatticePoint corner) {
         return LatticePoint{here.x - b.instant.origin.x + corner.x, here.z - b.instant.origin.z + corner.z};
@@ -100,9 +100,11 @@ void add_course(Drawing& drawing, const PlacedBox& b, SeaTime now) {
 
 /// A ship as a hull in outline at its place, and the rectangle around its wake's wedge.
 void add_ship(Drawing& drawing, const PlacedBox& b) {
-    const int64_t u = b.box.length;
+    const int64_t u = has_wake(b.box.wake) ? b.box.length : b.box.length / 2;
     const int64_t v = b.box.width / 2;
-    constexpr int64_t half_length = 50 * lattice_per_metre, half_beam = 9 * lattice_per_metre;
+    const bool told = has_hull(b.box.hull);
+    const int64_t half_length = to_lattice(told ? 0.5 * static_cast<double>(b.box.hull.length) : 50.0);
+    const int64_t half_beam = to_lattice(told ? 0.5 * static_cast<double>(b.box.hull.beam) : 9.0);
     const LatticePoint bow = b.at(u + half_length, v);
     for (const int64_t side : {-half_beam, half_beam}) {
         drawing.line(b.at(u - half_length, v + side), b.at(u + half_length / 2, v + side), outline_height,
@@ -111,6 +113,7 @@ void add_ship(Drawing& drawing, const PlacedBox& b) {
     }
     drawing.line(b.at(u - half_length, v - half_beam), b.at(u - half_length, v + half_beam), outline_height,
                  ship_tint);
+    if (!has_wake(b.box.wake)) return;
     const int64_t rear = std::min(b.instant.wake_rear, b.box.length);
     const int64_t front = std::min(b.instant.wake_front, rear);
     const int64_t aside = std::min(rear * 3 / 8, v);
@@ -128,7 +131,7 @@ void add_box(Drawing& drawing, const WaveTrainBox& box, SeaTime now) {
     const PlacedBox b{box, instant_of(box, now)};
     if (!box.course.empty()) add_course(drawing, b, now);
     add_rectangle(drawing, b, 0, box.length, 0, box.width, box_tint);
-    if (has_wake(box.wake)) {
+    if (is_ship(box)) {
         add_ship(drawing, b);
         return;
     }

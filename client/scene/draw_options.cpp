@@ -86,6 +86,11 @@ void set_quality(DrawOptions& options, Quality quality) {
     options.triangles_per_draw = from.triangles_per_draw;
 }
 
+Refinement refinement_in_force(const DrawOptions& options) {
+    return options.lean && options.refinement == Refinement::distance ? Refinement::screen
+                                                                      : options.refinement;
+}
+
 DisplayFilter filter_of(const Camera& camera, const DrawOptions& options, float error_in_force_px) {
     return display_filter(view_of(camera, glm::dvec3(0)), std::max(options.error_px, error_in_force_px));
 }

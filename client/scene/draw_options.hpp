@@ -49,6 +49,9 @@ std::string_view name_of(Displacement displacement);
 std::string_view name_of(FarMethod method);
 std::string_view name_of(Refinement refinement);
 
+/// The uniform grid is made of tiles of so many cells a side.
+inline constexpr uint32_t grid_cells_step = 32;
+
 /// What to draw and how finely.
 struct DrawOptions {
     /// Height error that the mesh may show, pixels; vertices are twice that apart (displayed.hpp).
@@ -74,8 +77,8 @@ struct DrawOptions {
     Displacement displacement = Displacement::trains;
     FarMethod far_method = FarMethod::combined;
     Refinement refinement = Refinement::distance;
-    uint32_t grid_cells = 256;    ///< uniform: cells along a side, 2 to 1024
-    float grid_spacing_m = 2.0F;  ///< uniform: a cell's side, rounded to a power of two of 2^-10 m
+    uint32_t grid_cells = 256;    ///< uniform: cells along a side, up to 1024, rounded up to grid_cells_step
+    float grid_spacing_m = 2.0F;  ///< uniform: a cell's side, rounded to a power of two from 1/16 to 64 m
     float attention =
         1.0F;            ///< projected: rows go to the foreground (> 1) or the background (< 1), 0.25 to 4
     double hour = 16.5;  ///< local solar time of the light, 0 to 24
@@ -86,6 +89,13 @@ struct DrawOptions {
     bool coherent_land = false;           ///< land by the coherent mesher instead of tiles (row D9)
     float render_scale =
         1.0F;  ///< share of the picture's width and height that is drawn and then enlarged, 0.25 to 1
+    bool foam_share =
+        false;  ///< instead of colours the sea shows the square root of its share of foam: for tests
+    /// What a renderer on the processor feels and people hardly see is left out: textures are taken from the nearest of their levels,
+    /// not from between two, and what is seen flat counts as small (Refinement::screen instead of distance).
+    bool lean = false;
+    /// Each pass is waited for, so that its time is known on the processor, too (pass_timers.hpp); pictures take longer by that.
+    bool time_passes = false;
     std::array<float, 3> clear_colour{0.0F, 0.0F, 0.0F};
     bool operator==(const DrawOptions&) const = default;
 };
@@ -95,6 +105,9 @@ DrawOptions options_for(Quality quality);
 
 /// Takes over what the quality decides (errors, samples, draws) and leaves the rest as it is.
 void set_quality(DrawOptions& options, Quality quality);
+
+/// What the mesh is refined by: the option, unless a lean picture asks for less.
+Refinement refinement_in_force(const DrawOptions& options);
 
 /// How vertices are spaced: by the coarser of what we want and of what the server culls by (finer would show trains that
 /// it has left out in one patch and not in the next).

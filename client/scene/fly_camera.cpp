@@ -53,8 +53,12 @@ void FlyCamera::fly(const FlyInput& input, double seconds) {
         std::max(camera_.altitude_m, nearest_pan_m) * static_cast<double>(radians_per_pixel(camera_));
     const glm::dvec3 up_in_picture = below_ ? north : glm::dvec3(0, 1, 0);
     const glm::dvec3 drag = (up_in_picture * input.pan_y - right * input.pan_x) * metres_per_pixel;
+    const double height = camera_.altitude_m;
     move(camera_, velocity_.x * seconds + drag.x, velocity_.y * seconds + drag.y,
          velocity_.z * seconds + drag.z);
+    // Looking straight down there is no horizon, and a bird may be higher than others.
+    if (below_)
+        camera_.altitude_m = std::clamp(height + velocity_.y * seconds, lowest_bird_m / 10, highest_bird_m);
 }
 
 void FlyCamera::set_birds_eye(bool above) {
@@ -79,8 +83,8 @@ void FlyCamera::go_to(const Camera& camera) {
 }
 
 void FlyCamera::resize(uint32_t width, uint32_t height) {
-    camera_.width = std::clamp<uint32_t>(width, 1, 16384);
-    camera_.height = std::clamp<uint32_t>(height, 1, 16384);
+    camera_.width = std::clamp<uint32_t>(width, 1, most_pixels);
+    camera_.height = std::clamp<uint32_t>(height, 1, most_pixels);
 }
 
 }  // namespace trochoid

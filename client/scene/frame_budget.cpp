@@ -38,8 +38,9 @@ struct Rung {
     std::string_view name;
     double error_limit;  // factor of the error from which on it is given up
 };
-constexpr std::array<Rung, 13> rungs{{
+constexpr std::array<Rung, 14> rungs{{
     {Sacrifice::samples, "several samples a pixel", 1.3},
+    {Sacrifice::full_detail, "full detail", 1.4},
     {Sacrifice::displayed_noise, "capillary", 1.5},
     {Sacrifice::spray, "spray", 1.5},
     {Sacrifice::foam_history, "foam history", 1.7},
@@ -66,6 +67,7 @@ std::optional<Layer> layer_of(Sacrifice what) {
         case Sacrifice::refraction: return Layer::refraction;
         case Sacrifice::shelter: return Layer::shelter;
         case Sacrifice::samples:
+        case Sacrifice::full_detail:
         case Sacrifice::spray:
         case Sacrifice::foam_history:
         case Sacrifice::resolution:
@@ -78,6 +80,7 @@ bool there(Sacrifice what, const DrawOptions& options) {
     if (const auto layer = layer_of(what)) return options.layers.has(*layer);
     switch (what) {
         case Sacrifice::samples: return options.samples > 1;
+        case Sacrifice::full_detail: return !options.lean;
         case Sacrifice::spray: return options.spray;
         case Sacrifice::foam_history: return options.foam_history;
         case Sacrifice::resolution: return options.render_scale > 0.7F;
@@ -89,6 +92,7 @@ bool there(Sacrifice what, const DrawOptions& options) {
 void take_away(Sacrifice what, DrawOptions& options) {
     if (const auto layer = layer_of(what)) options.layers = options.layers.without(*layer);
     if (what == Sacrifice::samples) options.samples = 1;
+    if (what == Sacrifice::full_detail) options.lean = true;
     if (what == Sacrifice::spray) options.spray = false;
     if (what == Sacrifice::foam_history) options.foam_history = false;
     if (what == Sacrifice::resolution) options.render_scale = 0.7F;

@@ -11,6 +11,7 @@ namespace trochoid {
 /// What a controller may take away, each whole; in the order of `sacrifices_of`, the least visible first.
 enum class Sacrifice : uint8_t {
     samples,          ///< one sample a pixel instead of several
+    full_detail,      ///< DrawOptions::lean instead
     displayed_noise,  ///< noise that is only shown
     spray,
     foam_history,

@@ -26,6 +26,8 @@ struct FrameReport {
     double cpu_ms = 0;                  ///< of this picture, until the commands were given
     double gpu_ms = 0;                  ///< of an earlier picture, as the driver's timer says
     std::vector<PassTime> passes;       ///< of the same picture as gpu_ms, in their order
+    bool passes_waited =
+        false;  ///< each pass was waited for (DrawOptions::time_passes): gpu_ms and passes are then of this picture
     bool operator==(const FrameReport&) const = default;
 };
 

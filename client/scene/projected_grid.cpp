@@ -18,6 +18,8 @@ constexpr double bend = 0.5 / earth_radius;
 constexpr double farthest_m = 400'000.0;
 constexpr double least_row_spacing_m = 0.5 * static_cast<double>(finest_vertex_spacing);
 constexpr double half_circle = 3.14159265358979;
+/// Mean over waves of what of their slope is turned to a camera near the water.
+constexpr double facing_slope = 0.15;
 /// Samples of the row density along the line of sight.
 constexpr size_t knots = 600;
 
@@ -83,31 +85,41 @@ double half_width_at(const SideView& s, double ahead) {
     return s.tan_x * std::max(depth, 0.0) + s.reach;
 }
 
-/// Density of rows over the water at rest.
+/// Density of rows over the water.
 struct RowDensity {
     SideView side;
     double seen_from;  // m: altitude, or more where waves rise about the camera
     double attention;
+    double crest;       // m above still water of common waves
     double tan_bottom;  // of the water's part of the picture, tangents of angles below the line of sight
     double tan_top;
-    double horizon;  // m
+    double horizon;    // m
+    double row_angle;  // some radians between rows
 
-    RowDensity(const SideView& s, double amplitude, double wanted_attention)
+    RowDensity(const SideView& s, double amplitude, uint32_t rows, double wanted_attention)
         : side(s),
           // Near still water all would be foreshortened, the crests before the camera's eye too.
           seen_from(std::max({s.altitude, 0.25 * amplitude, 1.0})),
           attention(std::clamp(wanted_attention, 0.25, 4.0)),
+          crest(0.25 * amplitude),
           horizon(std::sqrt(seen_from / bend)) {
         const double dip = std::atan(2.0 * bend * horizon);
         tan_bottom = std::tan(s.half_angle);
         tan_top = std::tan(std::clamp(dip + s.pitch, -s.half_angle, s.half_angle));
+        row_angle = std::max((tan_bottom - tan_top) / rows, 1e-5);
+    }
+
+    /// Radians times metres that a metre of slopes turned to the camera shows, where crests are higher than a row.
+    double of_slopes(double ahead) const {
+        const double away = std::max(std::abs(ahead), 1.0);
+        return facing_slope * away * crest / (crest + away * row_angle);
     }
 
     /// Share of the water's height in the picture that a metre at `ahead` takes, up to a factor.
     double of_picture(double ahead) const {
         const double below = seen_from + bend * ahead * ahead;
-        const double turned = std::max(std::abs(seen_from - bend * ahead * ahead), 0.02 * seen_from) /
-                              (ahead * ahead + below * below);
+        const double still = std::max(std::abs(seen_from - bend * ahead * ahead), 0.02 * seen_from);
+        const double turned = (still + of_slopes(ahead)) / (ahead * ahead + below * below);
         const double tangent =
             std::tan(std::clamp(std::atan2(below, ahead) + side.pitch, -side.half_angle, side.half_angle));
         const double height = tan_bottom - tan_top;
@@ -214,6 +226,19 @@ ProjectedShape projected_shape(const DrawOptions& options, const ProjectedView& 
             quads(options.projected_columns, view.tan_half_width, 1.0)};
 }
 
+VertexSteps steps_at(const ProjectedView& view, const ProjectedGrid& grid, size_t row, uint32_t column) {
+    const ProjectedRow& at = grid.rows[row];
+    const float columns = static_cast<float>(grid.columns);
+    const float side = static_cast<float>(2 * column) / columns - 1.0F;
+    return {view.forward * at.along + view.right * (at.widening * side),
+            view.right * (2.0F * at.half_width / columns)};
+}
+
+float wave_spacing(const VertexSteps& steps, glm::vec2 k, float wavelength, float least) {
+    const glm::vec2 turned{glm::dot(k, steps.along), glm::dot(k, steps.across)};
+    return std::max(wavelength * glm::length(turned) * 0.15915494F, least);
+}
+
 ProjectedGrid make_projected_grid(const ProjectedView& view, const WaveBounds& waves, ProjectedShape shape,
                                   double attention) {
     const auto height = static_cast<double>(waves.height);
@@ -226,7 +251,7 @@ ProjectedGrid make_projected_grid(const ProjectedView& view, const WaveBounds& w
                         static_cast<double>(waves.displacement)};
     const std::optional<Stretch> stretch = stretch_in_view(side);
     if (!stretch) return {};
-    RowCount count(*stretch, RowDensity(side, height, attention));
+    RowCount count(*stretch, RowDensity(side, height, shape.rows, attention));
     const std::vector<double> places = count.places(fit(count, shape.rows));
     ProjectedGrid grid;
     double widest = 0.0;
@@ -237,9 +262,10 @@ ProjectedGrid make_projected_grid(const ProjectedView& view, const WaveBounds& w
         const double before = i > 0 ? places[i] - places[i - 1] : 0.0;
         const double behind = i + 1 < places.size() ? places[i + 1] - places[i] : 0.0;
         const double half_width = half_width_at(side, places[i]);
-        const double across = 2.0 * half_width / grid.columns;
+        const double widening = before > behind ? half_width - half_width_at(side, places[i - 1])
+                                                : half_width_at(side, places[i] + behind) - half_width;
         grid.rows.push_back({static_cast<float>(places[i]), static_cast<float>(half_width),
-                             static_cast<float>(std::max({before, behind, across}))});
+                             static_cast<float>(std::max(before, behind)), static_cast<float>(widening)});
     }
     return grid;
 }

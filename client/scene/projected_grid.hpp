@@ -36,7 +36,8 @@ ProjectedShape projected_shape(const DrawOptions& options, const ProjectedView& 
 struct ProjectedRow {
     float forward = 0;     ///< metres ahead of the camera; behind it < 0
     float half_width = 0;  ///< metres to either side
-    float spacing = 0;     ///< metres to the neighbours, the farthest of the four
+    float along = 0;       ///< metres to the next row, the farther of two
+    float widening = 0;    ///< metres by which half_width grows over `along`
     bool operator==(const ProjectedRow&) const = default;
 };
 
@@ -46,7 +47,22 @@ struct ProjectedGrid {
     bool operator==(const ProjectedGrid&) const = default;
 };
 
-/// Rows that cover equal heights of the picture where the water is at rest, as far as the curved horizon and beyond it as far as
+/// How the vertices of a mesh lie about one of them: metres along x and z to the next ones. Cells may be far longer than wide.
+struct VertexSteps {
+    glm::vec2 along{0};
+    glm::vec2 across{0};
+};
+/// No wave counts as sampled finer than by this share of the longest step: nearly none runs straight enough across longer cells.
+inline constexpr float least_spacing_share = 0.125F;
+VertexSteps steps_at(const ProjectedView& view, const ProjectedGrid& grid, size_t row, uint32_t column);
+
+/// Spacing, m, that a wave with this wave vector (rad/m) and length (m) is filtered by: as far as vertices are apart along its own
+/// direction, so that waves which run across long cells stay; at least `least`, m. Where cells are square it is their side. Twin of
+/// wave_spacing in shaders/spacing.glsl.
+float wave_spacing(const VertexSteps& steps, glm::vec2 k, float wavelength, float least);
+
+/// Rows that cover equal heights of the picture, of the water at rest near the camera and of crests and troughs where these hide
+/// it, as far as the curved horizon and beyond it as far as
 /// waves rise above it. `attention` > 1 moves rows to the foreground, < 1 to the background. The grid goes beyond the picture by what
 /// waves can move, so that no displaced wave leaves a hole, and no row is nearer to the next than half the finest spacing that
 /// shows waves. All is continuous in the view: a small motion of the camera moves each vertex by little.

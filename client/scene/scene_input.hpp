@@ -1,10 +1,12 @@
 #pragma once
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "protocol/model/interest_state.hpp"
+#include "protocol/model/sea.hpp"
 #include "protocol/model/terrain.hpp"
 #include "protocol/model/wave_ray.hpp"
 #include "protocol/units/sea_time.hpp"
@@ -49,6 +51,8 @@ struct SourceStatistics {
 struct SceneInput {
     std::shared_ptr<const InterestState>
         state;  ///< boxes, land blocks, patches; null before the first result
+    /// The same boxes, prepared with their land; none where the source has not prepared them.
+    std::optional<Sea> sea;
     SeaTime now;
     TerrainExtent terrain;
     std::vector<std::shared_ptr<const TerrainTile>> tiles;  ///< any order, one per key

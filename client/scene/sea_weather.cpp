@@ -31,7 +31,7 @@ float wind_of(float significant_height_m, float energy_period_s) {
 
 float cox_munk_variance(float wind_m_s) { return 0.003F + 0.00512F * wind_m_s; }
 
-float whitecap_share(float wind_m_s) { return std::min(3.84e-6F * std::pow(wind_m_s, 3.41F), 0.24F); }
+float whitecap_share(float wind_m_s) { return std::min(2.95e-6F * std::pow(wind_m_s, 3.52F), 0.25F); }
 
 float normal_quantile(float share) {
     // Abramowitz and Stegun 26.2.23, to 4.5e-4.

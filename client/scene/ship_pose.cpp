@@ -26,17 +26,9 @@ constexpr int stations = 17;
 constexpr int rows = 3;
 /// Slope that no hull takes over from the water: she would swamp.
 constexpr double steepest = 0.35;
+constexpr double longest_turn_s = 40.0;
 
-bool sails(const WaveTrainBox& box, SeaTime now) {
-    return has_wake(box.wake) && !box.course.empty() && box.begin <= now && now < box.end;
-}
-
-LatticePoint ship_at(const WaveTrainBox& box, SeaTime t) {
-    const LatticePoint corner = corner_at(box.course, t);
-    const int64_t u = box.length;
-    const int64_t v = box.width / 2;
-    return {corner.x + ((u * box.ux - v * box.uz) >> 30), corner.z + ((u * box.uz + v * box.ux) >> 30)};
-}
+bool there(const WaveTrainBox& box, SeaTime now) { return is_ship(box) && box.begin <= now && now < box.end; }
 
 glm::dvec2 heading_of(const WaveTrainBox& box) {
     const auto east = static_cast<double>(box.ux);
@@ -48,11 +40,10 @@ glm::dvec2 heading_of(const WaveTrainBox& box) {
 /// The box of the same ship's course before this one, if it is known: it ends where and when this one begins.
 const WaveTrainBox* course_before(const InterestState& state, const WaveTrainBox& box) {
     constexpr int64_t near = 4 * lattice_per_metre;
-    const LatticePoint start = ship_at(box, box.begin);
+    const LatticePoint start = ship_place(box, box.begin);
     for (const auto& [id, other] : state.boxes) {
-        if (!has_wake(other->wake) || other->course.empty() || other->end != box.begin || id == box.id)
-            continue;
-        const LatticePoint last = ship_at(*other, other->end);
+        if (!is_ship(*other) || other->end != box.begin || id == box.id) continue;
+        const LatticePoint last = ship_place(*other, other->end);
         if (std::abs(last.x - start.x) <= near && std::abs(last.z - start.z) <= near) return other.get();
     }
     return nullptr;
@@ -70,14 +61,17 @@ glm::dvec2 between(glm::dvec2 from, glm::dvec2 to, double share) {
 Ship ship_of(const InterestState& state, const WaveTrainBox& box, SeaTime now) {
     Ship ship;
     ship.box = box.id;
-    ship.place = ship_at(box, now);
+    ship.place = ship_place(box, now);
     ship.heading = heading_of(box);
-    ship.speed = static_cast<double>(wake_speed(box.wake));
-    const HullSize size = hull_size(box.wake);
+    ship.speed = has_wake(box.wake) ? static_cast<double>(wake_speed(box.wake)) : 0.0;
+    const HullSize size = has_hull(box.hull) ? HullSize{static_cast<double>(box.hull.length),
+                                                        static_cast<double>(box.hull.beam)}
+                                             : hull_size(box.wake);
     ship.length = size.length;
     ship.beam = size.beam;
     // She turns within two lengths of hers.
-    const double turning_s = std::clamp(2.0 * ship.length / ship.speed, 3.0, 40.0);
+    const double turning_s =
+        ship.speed > 0.0 ? std::clamp(2.0 * ship.length / ship.speed, 3.0, longest_turn_s) : longest_turn_s;
     const double t = static_cast<double>(now - box.begin) * 1e-6 / turning_s;
     if (t < 1.0)
         if (const WaveTrainBox* before = course_before(state, box))
@@ -119,11 +113,11 @@ HullSize hull_size(const ShipWake& wake) {
 std::vector<Ship> ships_of(const InterestState& state, SeaTime now) {
     std::vector<Ship> ships;
     for (const auto& [id, box] : state.boxes)
-        if (sails(*box, now)) ships.push_back(ship_of(state, *box, now));
+        if (there(*box, now)) ships.push_back(ship_of(state, *box, now));
     return ships;
 }
 
-ShipPose pose_of(const Ship& ship, const SeaInstant& water) {
+ShipPose pose_of(const Ship& ship, const SeaInstant& water, Workers& workers) {
     constexpr int count = stations * rows;
     std::array<LatticePoint, count> places;
     std::array<double, count> along{};
@@ -140,8 +134,7 @@ ShipPose pose_of(const Ship& ship, const SeaInstant& water) {
         places[n] = {ship.place.x + to_lattice(east), ship.place.z + to_lattice(south)};
     }
     std::array<WaterPoint, count> heights;
-    Workers one_core(1);
-    water_at_batch(water, places, heights, one_core);
+    water_at_batch(water, places, heights, workers);
     double weights = 0, mean = 0, along2 = 0, across2 = 0, lengthwise = 0, sideways = 0;
     for (size_t n = 0; n < count; ++n) {
         // Breadth of the waterline.
@@ -158,14 +151,11 @@ ShipPose pose_of(const Ship& ship, const SeaInstant& water) {
             std::clamp(sideways / across2, -steepest, steepest)};
 }
 
-void ShipWaters::take_over(const std::shared_ptr<const InterestState>& state) {
-    state_ = state;
-    boxes_.clear();
-    any_wake_ = std::any_of(state->boxes.begin(), state->boxes.end(),
-                            [](const auto& entry) { return has_wake(entry.second->wake); });
-    if (!any_wake_) return;
+const Sea& ShipWaters::sea_of(const SceneInput& input) {
+    if (input.sea) return *input.sea;
+    if (prepared_of_ == input.state) return prepared_;
     std::map<FieldId, std::shared_ptr<LandField>> fields;
-    for (const auto& [key, block] : state->blocks) {
+    for (const auto& [key, block] : input.state->blocks) {
         std::shared_ptr<LandField>& field = fields[key.field];
         if (!field) field = std::make_shared<LandField>(key.field, block.step_log2);
         if (field->fits(key.block)) field->set(block.block);
@@ -173,21 +163,22 @@ void ShipWaters::take_over(const std::shared_ptr<const InterestState>& state) {
     std::vector<std::shared_ptr<const LandField>> list;
     list.reserve(fields.size());
     for (const auto& [id, field] : fields) list.push_back(field);
-    for (const auto& [id, record] : state->boxes) boxes_.push_back(prepare(*record, list));
-}
-
-SeaInstant ShipWaters::water_without(BoxId own, SeaTime now) const {
-    std::vector<std::shared_ptr<const PreparedBox>> others;
-    others.reserve(boxes_.size());
-    std::copy_if(boxes_.begin(), boxes_.end(), std::back_inserter(others),
-                 [&](const auto& box) { return box->record.id != own; });
-    return SeaInstant(Sea(std::move(others)), now);
+    std::vector<std::shared_ptr<const PreparedBox>> boxes;
+    boxes.reserve(input.state->boxes.size());
+    for (const auto& [id, record] : input.state->boxes) boxes.push_back(prepare(*record, list));
+    prepared_ = Sea(std::move(boxes));
+    prepared_of_ = input.state;
+    return prepared_;
 }
 
 std::vector<FloatingShip> ShipWaters::ships(const SceneInput& input, const Camera& camera) {
     if (!input.state) return {};
-    if (input.state != state_) take_over(input.state);
-    if (!any_wake_) return {};
+    if (input.state != state_) {
+        state_ = input.state;
+        any_ship_ = std::any_of(state_->boxes.begin(), state_->boxes.end(),
+                                [](const auto& entry) { return is_ship(*entry.second); });
+    }
+    if (!any_ship_) return {};
     std::vector<Ship> seen = ships_of(*state_, input.now);
     const double half_pixel = 0.5 * static_cast<double>(radians_per_pixel(camera));
     std::erase_if(seen, [&](const Ship& ship) {
@@ -198,11 +189,14 @@ std::vector<FloatingShip> ShipWaters::ships(const SceneInput& input, const Camer
     std::sort(seen.begin(), seen.end(), [&](const Ship& a, const Ship& b) {
         return std::pair(distance_m(camera, a.place), a.box) < std::pair(distance_m(camera, b.place), b.box);
     });
+    if (seen.empty()) return {};
     if (seen.size() > most_ships) seen.resize(most_ships);
+    const SeaInstant water(sea_of(input), input.now);
     std::vector<FloatingShip> floating;
     floating.reserve(seen.size());
     for (const Ship& ship : seen)
-        floating.push_back({ship, pose_of(ship, water_without(ship.box, input.now))});
+        floating.push_back({ship, ship.speed > 0.0 ? pose_of(ship, water.without(ship.box), one_core_)
+                                                   : pose_of(ship, water, one_core_)});
     return floating;
 }
 

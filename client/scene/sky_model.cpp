@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <glm/common.hpp>
 #include <glm/exponential.hpp>
 #include <glm/geometric.hpp>
 
@@ -17,7 +18,8 @@ constexpr float eye_km = ground_km + 0.02F;
 constexpr glm::vec3 rayleigh{5.802e-3F, 13.558e-3F, 33.1e-3F};
 constexpr float mie_scattering = 4.4e-3F;
 constexpr float mie_extinction = 4.9e-3F;
-constexpr glm::vec3 ozone{0.650e-3F, 1.881e-3F, 0.085e-3F};
+// Half of the source's ozone: with all of it and no true light of higher orders the dusk turns pink.
+constexpr glm::vec3 ozone{0.325e-3F, 0.940e-3F, 0.043e-3F};
 constexpr glm::vec3 sunlight{7.3F, 7.0F, 6.7F};  // outside of the air
 /// The full moon against the sun. True would be 1 to 400,000; eyes make up for most of it.
 constexpr float moon_power = 1.0F / 280.0F;
@@ -146,8 +148,32 @@ SkyModel::SkyModel(double hour) {
     const float brightness = luminance(light_.ambient) + luminance(light_.irradiance) *
                                                              std::max(light_.towards.y, 0.0F) /
                                                              static_cast<float>(pi);
-    light_.exposure = 0.92F * std::pow(1.6F / std::max(brightness, 1e-5F), 0.50F);
+    // At dusk eyes, and cameras, hold to the bright strip of sky.
+    const float low = (1.0F - smooth(0.02F, 0.30F, sun.y)) * (1.0F - light_.night);
+    light_.exposure = 0.92F * std::pow(1.6F / std::max(brightness, 1e-5F), 0.50F) * (1.0F - 0.55F * low);
 }
+
+namespace {
+
+/// Light of higher orders, which comes from the whole lit air above: taken so high up, and where the sun is so much higher
+/// (sine). At dusk that is the air which still has sun: blue where air scatters it again, reddish in haze, and less in all.
+struct HigherOrders {
+    float lift_km;
+    float rise;
+    glm::vec3 by_air;
+    glm::vec3 by_haze;
+};
+HigherOrders higher_orders(float sun_height) {
+    const float dusk = 1.0F - smooth(-0.08F, 0.10F, sun_height);
+    const float deep = 1.0F - smooth(-0.16F, -0.02F, sun_height);
+    const float power = 0.045F * (1.0F - 0.45F * dusk);
+    const glm::vec3 blue = glm::vec3(0.55F, 0.90F, 1.20F) * (1.0F - 0.3F * deep);
+    return {16.0F + 2.0F * dusk + 5.0F * deep, 0.05F + 0.006F * dusk + 0.022F * deep,
+            glm::mix(glm::vec3(1.0F), blue, dusk) * power,
+            glm::mix(glm::vec3(1.0F), glm::vec3(1.0F, 0.8F, 0.5F), dusk) * power};
+}
+
+}  // namespace
 
 glm::vec3 SkyModel::scattered(const glm::vec3& d, const Source& source) const {
     if (source.power <= 0.0F) return glm::vec3(0.0F);
@@ -155,6 +181,7 @@ glm::vec3 SkyModel::scattered(const glm::vec3& d, const Source& source) const {
     const float by_air = rayleigh_phase(cosine);
     const float by_haze = haze_phase(cosine);
     const float way = way_to_sphere(eye_km, d.y, top_km);
+    const HigherOrders higher = higher_orders(source.towards.y);
     constexpr int steps = 22;
     glm::vec3 sum(0.0F);
     glm::vec3 through(1.0F);
@@ -168,12 +195,12 @@ glm::vec3 SkyModel::scattered(const glm::vec3& d, const Source& source) const {
         const Densities at = densities_at(radius - ground_km);
         const glm::vec3 step_through = glm::exp(-extinction_of(at) * length);
         const glm::vec3 arriving = transmittance().at(radius, sun_cosine);
-        // Light of higher orders comes from the whole lit air above: taken a few kilometres up, and where the sun is just lower.
-        const glm::vec3 lit_air = transmittance().at(radius + 16.0F, std::min(sun_cosine + 0.05F, 1.0F));
+        const glm::vec3 lit_air =
+            transmittance().at(radius + higher.lift_km, std::min(sun_cosine + higher.rise, 1.0F));
         const glm::vec3 air = rayleigh * at.air;
         const glm::vec3 haze(mie_scattering * at.haze);
-        const glm::vec3 source_here =
-            arriving * (air * by_air + haze * by_haze) + lit_air * (air + haze) * 0.045F;
+        const glm::vec3 source_here = arriving * (air * by_air + haze * by_haze) +
+                                      lit_air * (air * higher.by_air + haze * higher.by_haze);
         // Integral over the step with its own extinction (Hillaire, "Physically Based Sky", 2016).
         const glm::vec3 extinction = glm::max(extinction_of(at), glm::vec3(1e-7F));
         sum += through * source_here * (glm::vec3(1.0F) - step_through) / extinction;

@@ -9,6 +9,8 @@ namespace trochoid {
 namespace {
 
 Error out_of_range(std::string sentence) { return {ErrorCode::value_out_of_range, std::move(sentence)}; }
+/// More than this client holds; the server has broken nothing.
+Error too_much(std::string sentence) { return {ErrorCode::too_much_land, std::move(sentence)}; }
 
 /// Where the blocks of a field lie: its window of look-up slots.
 struct Outline {
@@ -37,9 +39,10 @@ Result<std::map<FieldId, Outline>> outlines_of(const InterestState& state, size_
     double slots = 0.0;
     for (const auto& [id, outline] : outlines) slots += outline.slots();
     if (slots > static_cast<double>(most_slots))
-        return out_of_range(
-            fmt::format("{} land fields spread over {:.0f} look-up slots: this client holds {} at most",
-                        outlines.size(), slots, most_slots));
+        return too_much(fmt::format(
+            "{} land fields spread over {:.0f} look-up slots, and this client holds {} at most: ask for fewer or smaller sync "
+            "regions, or look at less of the coast",
+            outlines.size(), slots, most_slots));
     return outlines;
 }
 
@@ -61,7 +64,10 @@ Result<std::map<FieldId, std::shared_ptr<const LandField>>> fields_of(
         auto field = std::make_shared<LandField>(id, outline.step_log2);
         field->make_room(outline.first, outline.first);
         if (!field->fits(outline.last))
-            return out_of_range(fmt::format("land field {} spreads its blocks too far", id.value));
+            return too_much(
+                fmt::format("land field {} spreads its blocks farther than this client can look up: ask for "
+                            "sync regions that lie closer together",
+                            id.value));
         field->make_room(outline.first, outline.last);
         fresh.emplace(id, std::move(field));
     }
@@ -222,9 +228,10 @@ Result<Done> ClientStore::within_limits(bool whole) const {
         return out_of_range(fmt::format("{} patches, more than the server's own limit of {}",
                                         state_.patches.size(), hello_->limits.patches));
     if (state_.blocks.size() > times * limits_.land_blocks)
-        return out_of_range(
-            fmt::format("{} land blocks: this client holds {} at most, ask for fewer or smaller regions",
-                        state_.blocks.size(), limits_.land_blocks));
+        return too_much(fmt::format(
+            "{} land blocks, and this client holds {} at most: ask for fewer or smaller sync regions, or look at "
+            "less of the coast",
+            state_.blocks.size(), limits_.land_blocks));
     return Done{};
 }
 
@@ -244,7 +251,8 @@ Result<Done> ClientStore::finish_result(const Delta& last_piece) {
     boxes.reserve(prepared_.size());
     for (const auto& [id, box] : prepared_) boxes.push_back(box);
     next->result = applied_;
-    if (hash_of(*next->interest) != state_hash_) next->interest = std::make_shared<InterestState>(state_);
+    if (hash_of(*next->interest) != state_hash_ || hulls_changed(*next->interest))
+        next->interest = std::make_shared<InterestState>(state_);
     next->sea = Sea(std::move(boxes));
     next->regions = last_piece.key.regions;
     next->key = last_piece.key;
@@ -252,6 +260,16 @@ Result<Done> ClientStore::finish_result(const Delta& last_piece) {
     next->watermark = std::max(next->watermark, last_piece.watermark);
     snapshot_ = std::move(next);
     return Done{};
+}
+
+/// The state's hash is that of the sea: hulls are not in it.
+bool ClientStore::hulls_changed(const InterestState& before) const {
+    return std::any_of(touched_boxes_.begin(), touched_boxes_.end(), [&](BoxId id) {
+        const auto old = before.boxes.find(id);
+        const auto now = state_.boxes.find(id);
+        return old != before.boxes.end() && now != state_.boxes.end() &&
+               old->second->hull != now->second->hull;
+    });
 }
 
 /// Boxes whose record and fields were not touched keep their object.

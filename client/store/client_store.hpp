@@ -48,7 +48,7 @@ struct StoreCounters {
     bool operator==(const StoreCounters&) const = default;
 };
 
-/// Applies the server's messages. One thread owns it. After an error (the server broke the standard) the session has to
+/// Applies the server's messages. One thread owns it. After an error (the server broke the standard, or sends more than StoreLimits) the session has to
 /// end; the last snapshot stays good.
 class ClientStore {
 public:
@@ -79,6 +79,7 @@ private:
     std::optional<Ack> ask_resync(uint32_t result);
     Result<Done> within_limits(bool whole) const;
     Result<Done> finish_result(const Delta& last_piece);
+    bool hulls_changed(const InterestState& before) const;
     PreparedBoxes prepare_boxes(const Fields& fields) const;
     void count_late_events(const CullKey& key);
 

@@ -14,7 +14,7 @@ layout(std140) uniform Frame {
     vec4 picture;            // angle of a pixel, rad; haze, 1/m; sea time modulo 4096 s; metres that clouds have drifted
     vec4 foam;               // Jacobian below which foam starts; depth in m up to which surf breaks; open sea's bed, m; belt in
                              // which the bed falls to it outside the raster, m
-    ivec4 choice;            // Displacement, FarMethod, Refinement of draw_options.hpp; 0
+    ivec4 choice;            // Displacement, FarMethod, Refinement of draw_options.hpp; 1 = the share of foam is drawn
     vec4 wind;               // direction of travel (x, z); speed at 10 m, m/s; hour of the day
     vec4 mesh_sides[4];      // of the view that the mesh is made for: inward normal and offset, m from its eye
     vec4 sun_light;          // irradiance of sun or moon across its rays; w: exposure

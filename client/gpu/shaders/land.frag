@@ -42,5 +42,14 @@ void main() {
     vec3 lit = base * (sky_ambient.rgb * (0.55 + 0.45 * normal.y) + sun_light.rgb * (0.318 * light));
     // Under water the bed is only seen through it; the sea's own colour covers what is deeper.
     lit *= mix(0.45, 1.0, smoothstep(-0.8, 0.1, vertex.place.y));
+    // Sand that the last wave has left is a mirror of the sky, the better the lower one looks.
+    float wet = 1.0 - smoothstep(0.2, 0.75, vertex.place.y + 0.5 * (noise.y - 0.5) + 0.15 * (noise.z - 0.5));
+    if (wet > 0.0 && steepness < 0.2) {
+        vec3 view = -vertex.position / distance;
+        vec3 film = normalize(vec3(normal.x * 0.25, 1.0, normal.z * 0.25));
+        float grazing = 1.0 - max(dot(film, view), 0.0);
+        float g2 = grazing * grazing;
+        lit = mix(lit, reflected_sky(reflect(-view, film), 2.0), wet * (0.02 + 0.6 * g2 * g2));
+    }
     colour = vec4(displayed(hazed(lit, vertex.position)), 1.0);
 }

@@ -285,6 +285,7 @@ void add_trains(int row, int count, ivec4 features, Envelope e, ivec2 r, uvec2 p
         bend = round_place(features.z, texelFetch(sea_records, row + 4).w, e.at.y);
     }
     total_variance += local.g * local.g * intBitsToFloat(texelFetch(sea_records, first + 2).w);
+    vec2 limits = spacing_limits(spacing);
     int shown = 0;
     for (; shown < count; ++shown) {
         int train = first + shown * TRAIN_ROW;
@@ -295,12 +296,6 @@ void add_trains(int row, int count, ivec4 features, Envelope e, ivec2 r, uvec2 p
             if (field >= 0) land = land_at(field, r);
             local = combine(e, land, m);
         }
-        float weight = 1.0;
-        if (mesh_filter.z == 0.0) {
-            vec3 tail = intBitsToFloat(texelFetch(sea_records, train + 2).yzw);
-            weight = displayed_weight(tail.x, spacing);
-            faded_variance += local.g * local.g * tail.y * (1.0 - weight * weight);
-        }
         uint phase = uint(wave.x) * place.x + uint(wave.y) * place.y + uint(wave.z) + local.shift;
         Local bent = local;
         if (features.z >= 0) {
@@ -310,12 +305,19 @@ void add_trains(int row, int count, ivec4 features, Envelope e, ivec2 r, uvec2 p
             precise vec2 turn = bent_slope * across + local.turn;
             bent.turn = turn;
         }
+        vec4 c0 = intBitsToFloat(texelFetch(sea_records, train + 1));  // kx, kz, a, hx
+        vec4 c1 = intBitsToFloat(texelFetch(sea_records, train + 2));  // hz, wavelength, slope variance, that from here on
+        float weight = 1.0;
+        if (mesh_filter.z == 0.0 && c1.y < 4.0 * limits.y) {
+            weight = displayed_weight(c1.y, wave_spacing(c0.xy + bent.turn, vec2(0.0), c1.y, spacing));
+            faded_variance += local.g * local.g * c1.z * (1.0 - weight * weight);
+        }
         NOTE_PHASE(phase);
         NOTE_TRAIN(weight);
-        if (weight <= 0.0) break;  // trains come by falling wavelength: all others fade too
-        vec4 c0 = intBitsToFloat(texelFetch(sea_records, train + 1));  // kx, kz, a, hx
-        float hz = intBitsToFloat(texelFetch(sea_records, train + 2).x);
-        add_wave(Wave(c0.xy, c0.z, vec2(c0.w, hz)), bent, phase, weight);
+        if (weight > 0.0)
+            add_wave(Wave(c0.xy, c0.z, vec2(c0.w, c1.x)), bent, phase, weight);
+        else if (!shorter_may_show(c1.y, limits.x))
+            break;  // trains come by falling wavelength: all others fade too
     }
     // The one that ended the loop has counted itself already; those behind it, and what the server left out, follow.
     int rest = shown < count ? shown + 1 : shown;
@@ -338,7 +340,8 @@ void add_wake_wave(WakeWave w, float amplitude, float choppy, float longest, Env
         // What the server leaves out is weightless here: no wave of the pattern counts as longer than lambda0. Where the
         // amplitude falls within less than a wave (the wedge's edge) that counts like a shorter wave.
         vec2 fall = local.slope / max(local.g, 1e-6);
-        weight = displayed_weight(min(6.2831853 * inversesqrt(dot(k, k) + dot(fall, fall)), longest), spacing);
+        float wavelength = min(6.2831853 * inversesqrt(dot(k, k) + dot(fall, fall)), longest);
+        weight = displayed_weight(wavelength, wave_spacing(k, fall, wavelength, spacing));
         float steep = amplitude * local.g;
         float variance = 0.5 * steep * steep * dot(k, k);
         faded_variance += variance * (1.0 - weight * weight);
@@ -350,7 +353,7 @@ void add_wake_wave(WakeWave w, float amplitude, float choppy, float longest, Env
 
 void add_wake(int row, int wake, Envelope e, float spacing) {
     vec4 chop = intBitsToFloat(texelFetch(sea_records, wake + 2));
-    if (mesh_filter.z == 0.0 && displayed_weight(chop.w, spacing) <= 0.0) return;
+    if (mesh_filter.z == 0.0 && displayed_weight(chop.w, spacing_limits(spacing).x) <= 0.0) return;
     WakePlace at = wake_place(wake, e.at.x, e.at.y);
     if (at.tau == 0xffffffffu) return;
     vec2 amplitudes = intBitsToFloat(texelFetch(sea_records, wake + 1).yz);

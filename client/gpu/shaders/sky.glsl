@@ -18,7 +18,8 @@ vec3 hazed(vec3 colour, vec3 position) {
     float thick = distance * picture.y;
     // Less than a step of the screen's 8 bits.
     if (thick < 0.004) return colour;
-    float through = exp(-thick);
+    // Less and less is added: the line of the horizon stays even from on high.
+    float through = exp(-thick / (1.0 + 0.3 * thick));
     vec3 d = position / max(distance, 1e-3);
     return mix(sky_without_clouds(normalize(vec3(d.x, 0.004, d.z))), colour, through);
 }

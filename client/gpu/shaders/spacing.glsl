@@ -80,6 +80,36 @@ int halved_edge_level(ivec2 start, bool along_x, int side) {
     return edge_level(start - (along_x ? ivec2(back, 0) : ivec2(0, back)), along_x, side * 2) / 2;
 }
 
+#ifdef UNEVEN_STEPS
+// A mesh whose cells may be far longer than wide says how its vertices lie, before anything is summed; twin of VertexSteps in
+// client/scene/projected_grid.hpp.
+vec2 step_along;      // to the next vertices, m along x and z
+vec2 step_across;
+float least_spacing;  // whatever the direction, m: that of what the server sends
+
+/// Spacing in metres that a wave is filtered by: as far as vertices are apart along its own direction, so that waves which run
+/// across long cells stay. The wave turns by k (rad/m) and dies away like waves of `fall`; of isotropic meshes `spacing`.
+float wave_spacing(vec2 k, vec2 fall, float wavelength, float spacing) {
+    vec4 turned = vec4(dot(k, step_along), dot(k, step_across), dot(fall, step_along), dot(fall, step_across));
+    return max(wavelength * length(turned) * 0.15915494, least_spacing);
+}
+
+/// Least and most that wave_spacing can be, whatever the direction.
+vec2 spacing_limits(float spacing) {
+    float squares = dot(step_along, step_along) + dot(step_across, step_across);
+    float area = step_along.x * step_across.y - step_along.y * step_across.x;
+    float most = sqrt(max(0.5 * (squares + sqrt(max(squares * squares - 4.0 * area * area, 0.0))), 1e-12));
+    return max(vec2(abs(area) / most, most), least_spacing);
+}
+
+/// Whether a shorter wave than one without a share may have one.
+bool shorter_may_show(float wavelength, float shortest) { return wavelength > 2.0 * shortest; }
+#else
+float wave_spacing(vec2 k, vec2 fall, float wavelength, float spacing) { return spacing; }
+vec2 spacing_limits(float spacing) { return vec2(spacing); }
+bool shorter_may_show(float wavelength, float shortest) { return false; }
+#endif
+
 /// Share of a train of this wavelength that is displayed at a vertex spacing, both in metres.
 float displayed_weight(float wavelength, float spacing) {
     float t = clamp((wavelength / spacing - 2.0) / 2.0, 0.0, 1.0);

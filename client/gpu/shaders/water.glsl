@@ -4,7 +4,9 @@
 #include "bed.glsl"
 
 const vec3 deep_water = vec3(0.006, 0.036, 0.058);
-const vec3 foam_colour = vec3(0.86, 0.88, 0.90);
+const vec3 thick_foam = vec3(0.83, 0.85, 0.86);
+const vec3 thin_foam = vec3(0.38, 0.47, 0.50);
+const vec3 milky_water = vec3(0.10, 0.22, 0.24);
 
 const int far_combined = 0;
 const int far_spectrum = 1;
@@ -54,8 +56,8 @@ Roughness roughness_of(vec3 waves) {
     return Roughness(mapped, coarse, added - mapped + waves.y - coarse);
 }
 
-/// Share of white, 0 to 1, at a place.
-float whiteness(float jacobian, float depth, vec3 waves, vec2 rest, Ripples ripples, float pixel) {
+/// Foam at a place.
+Foam foam_at(float jacobian, float depth, vec3 waves, vec2 rest, Ripples ripples, float pixel) {
     vec2 p = along_wind(rest);
     vec2 history = remembered_foam(rest);
     float unknown = clamp(waves.y / max(waves.z, 1e-6), 0.0, 1.0);
@@ -63,9 +65,14 @@ float whiteness(float jacobian, float depth, vec3 waves, vec2 rest, Ripples ripp
     vec2 caps = whitecaps(jacobian, unknown, p, pixel) * smoothstep(0.2, 0.8, exposed);
     // Where the map remembers, what breaks just now is the smaller part of the foam.
     float density = max(max(caps.x * (1.0 - 0.5 * history.y), history.x), caps.y);
-    float white = laced(density, p, pixel);
-    float at_shore = surf(depth, sqrt(max(waves.z, 0.0)) * 4.0, rest, ripples, pixel);
-    return clamp(white + laced(at_shore, rest, pixel), 0.0, 1.0);
+    return laced(max(density, surf(depth, sqrt(max(waves.z, 0.0)) * 4.0, rest, ripples, pixel)), p, pixel);
+}
+
+/// Light off foam, a rough body of its own: it shades by the waves and by its lumps; a film is grey and blue with what is below.
+vec3 foam_light(Foam white, vec2 slope) {
+    vec3 lumps = normalize(vec3(-1.6 * slope.x, 1.0, -1.6 * slope.y));
+    vec3 albedo = mix(thin_foam, thick_foam, white.body) * clamp(1.0 + 0.48 * white.relief, 0.5, 1.2);
+    return albedo * (sky_ambient.rgb * (0.45 + 0.55 * lumps.y * lumps.y) + sun_light.rgb * (0.25 * max(dot(lumps, sun.xyz), 0.0)));
 }
 
 /// Dry ground as it looks from afar, so high above still water.
@@ -98,16 +105,16 @@ vec4 water_colour(vec3 position, vec3 mesh_normal, vec2 rest, vec3 interpolated)
     vec3 reflected = reflected_sky(normalize(r), 0.5 * log2(sigma2) + 6.0);
     float crest = clamp(waves.x * 0.30 + 0.15, 0.0, 1.0) * clamp(1.0 - facing, 0.0, 1.0);
     vec3 below = through_water(rest, waves.x, depth, view, normal, deep_light(view, normal, crest), distance);
-    vec3 colour = mix(below, reflected, reflectance);
-    colour += sun_light.rgb * (0.5 * glitter(view, slope, sigma2));
     // A crest seen edge on is thinner than a pixel: its white would break into dashes.
     float edge = smoothstep(-0.02, 0.07, dot(normalize(mesh_normal), view));
-    float white = whiteness(mesh_normal.y, depth, waves, rest, ripples, pixel) * edge;
-    // Thick foam is a rough body of its own: it shades by the waves and by its lumps.
-    vec3 lumps = normalize(vec3(-1.6 * slope.x, 1.0, -1.6 * slope.y));
-    vec3 foam_light = foam_colour * (sky_ambient.rgb * (0.55 + 0.45 * lumps.y * lumps.y) * (0.80 + 0.30 * ripples.height) +
-                                     sun_light.rgb * (0.30 * max(dot(lumps, sun.xyz), 0.0)));
-    colour = mix(colour, foam_light, white * 0.92);
+    Foam white = foam_at(mesh_normal.y, depth, waves, rest, ripples, pixel);
+    float opaque = white.cover * edge * mix(0.62, 0.97, white.body);
+    // The root, so that 8 bits hold small shares too.
+    if (choice.w == 1) return vec4(vec3(sqrt(opaque)), 1.0);
+    below += milky_water * (sky_ambient.rgb + sun_light.rgb * (0.3 * max(sun.y, 0.0))) * (0.8 * white.milk);
+    vec3 colour = mix(below, reflected, reflectance);
+    colour += sun_light.rgb * (0.5 * glitter(view, slope, sigma2));
+    if (opaque > 0.0) colour = mix(colour, foam_light(white, slope), opaque);
     // No land is drawn beyond the raster, so nothing but water may show there.
     float cover = bed.y > 0.5 ? 1.0 : clamp(depth * 3.0, 0.0, 1.0);
     // Land that is drawn coarser than the bed's map, or not at all, leaves places with nothing behind: there the map's ground
