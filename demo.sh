@@ -57,6 +57,9 @@ while [ $# -gt 0 ]; do
     esac
 done
 [ -z "$preset" ] || [ "$scene" = "$PWD/server/scenes/scilly/scene.toml" ] || die "--preset brings its own scene: give it or --scene" 2
+# As `trochoid-viewer --list-presets` names them once it is built; a test compares.
+presets='calm breeze gale storm harbour'
+[ -z "$preset" ] || [[ " $presets " == *" $preset "* ]] || die "--preset $preset: there are ${presets// /, }" 2
 [ -f "$scene" ] || die "there is no scene file $scene" 2
 if [ -n "$picture" ] && ! [ -w "$(dirname "$picture")" ]; then
     die "cannot write a picture into $(dirname "$picture")" 2
@@ -137,10 +140,8 @@ rm -f "$log_dir/configure.log" "$log_dir/build.log"
 [ -z "$build_only" ] || exit 0
 
 if [ -n "$preset" ]; then
-    # The viewer knows them: name, scene and what it shows, parted by tabs.
-    presets=$("$bin/trochoid-viewer" --list-presets)
-    preset_scene=$(awk -F'\t' -v name="$preset" '$1 == name { print $2 }' <<<"$presets")
-    [ -n "$preset_scene" ] || die "--preset $preset: there are $(awk -F'\t' '{ printf "%s%s", sep, $1; sep = ", " }' <<<"$presets")" 2
+    # The viewer knows their scenes: name, scene and what it shows, parted by tabs.
+    preset_scene=$("$bin/trochoid-viewer" --list-presets | awk -F'\t' -v name="$preset" '$1 == name { print $2 }')
     scene=$PWD/$preset_scene
     viewer_options=(--preset "$preset" "${viewer_options[@]}")
 fi

@@ -39,6 +39,8 @@ enum class ErrorCode : uint16_t {
     no_progress = 407,
     queue_overflow = 408,
     too_many_legs = 409,
+    too_much_land =
+        410,  // more land blocks than whoever says so is set up to hold; nobody broke the standard
     // 5xx session
     client_closed = 501,
     // 6xx world

@@ -13,7 +13,7 @@ inline constexpr uint16_t protocol_version_min = 2;
 inline constexpr uint16_t protocol_version_max = 2;
 
 /// Version of the deterministic sea (protocol/README.md, "The sea"). A different one computes another sea.
-inline constexpr uint16_t model_version = 1;
+inline constexpr uint16_t model_version = 2;
 
 /// The text that `--version` prints: program, software, protocol and model versions.
 std::string version_text(std::string_view program);

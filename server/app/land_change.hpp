@@ -1,4 +1,6 @@
 #pragma once
+#include <cstddef>
+#include <limits>
 #include <memory>
 #include <span>
 #include <vector>
@@ -12,18 +14,29 @@ namespace trochoid {
 /// What a change of the land comes to before it has a time.
 struct LandOutcome {
     TerrainEdit edit;
-    std::vector<Retraced> touched;    ///< ascending; field ids follow on from the world's next_field
-    std::vector<Retraced> untouched;  ///< their fields stay as they are
+    std::vector<Retraced> touched;            ///< ascending; field ids follow on from the world's next_field
+    std::vector<Retraced> untouched;          ///< their fields stay as they are
+    std::shared_ptr<const WorldState> world;  ///< that it was traced on
+    bool tight = false;                       ///< land_is_tight then
 };
 
 /// As the world takes it in.
 Derived derived_from(const LandOutcome& outcome);
 
-/// Edits the terrain and traces the boxes again as far as the edit can reach. Takes as long as tracing does. Errors: no_terrain, value_out_of_range.
-Result<LandOutcome> change_land(const WorldState& world, const ChangeLand& change,
-                                std::span<const BoxId> boxes, const LandSettings& settings);
+/// Traces these boxes again as far as the edit of the world's terrain can reach. Takes as long as tracing does. `earlier`: what the
+/// same edit came to on an earlier state of the world with the same terrain (nullptr: nothing); boxes that are as they
+/// were then are not traced again, the result is the same. Errors: too_much_land as soon as more than `most_blocks` have come up.
+Result<LandOutcome> trace_edit(const std::shared_ptr<const WorldState>& world, TerrainEdit edit,
+                               std::span<const BoxId> boxes, const LandSettings& settings,
+                               size_t most_blocks = std::numeric_limits<size_t>::max(),
+                               const LandOutcome* earlier = nullptr);
+
+/// Whether the outcome, traced on an earlier state, is that of these boxes of this one.
+bool still_holds(const LandOutcome& outcome, const WorldState& world, std::span<const BoxId> boxes,
+                 const LandSettings& settings);
 
 /// What the event means for this node, all of it derived anew: for a follower of the log (server/app/replay.hpp).
-Derived derive(const WorldState& world, const LogEvent& event, const LandSettings& settings);
+Derived derive(const std::shared_ptr<const WorldState>& world, const LogEvent& event,
+               const LandSettings& settings);
 
 }  // namespace trochoid

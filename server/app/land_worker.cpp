@@ -2,10 +2,13 @@
 
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
 #include <future>
 #include <utility>
 
 #include "protocol/model/terrain_file.hpp"
+#include "server/land/land_area.hpp"
+#include "server/land/land_trace.hpp"
 #include "server/net/monotonic.hpp"
 
 namespace trochoid {
@@ -64,28 +67,71 @@ TracedLand LandWorker::trace_now(const WaveTrainBox& box, FieldId first_field, c
     return land;
 }
 
-Result<ChangedLand> LandWorker::change_now(const WorldState& world, const ChangeLand& change,
-                                           std::span<const BoxId> boxes, const TerrainChoice& choice,
-                                           const InterestIndex* index) const {
-    const int64_t begun_us = monotonic_us();
-    auto outcome = change_land(world, change, boxes, settings_);
-    if (!outcome) return outcome.error();
-    ChangedLand changed{std::move(outcome).value(), 0, nullptr, {}};
-    const TerrainEdit& edit = changed.outcome.edit;
-    changed.terrain_hash = terrain_hash(*edit.terrain);
-    changed.choice = std::make_shared<const TerrainChoice>(choice, edit.terrain, edit.touched);
-    changed.indexed.terrain = std::make_shared<const TerrainMinima>(edit.terrain);
-    size_t blocks = 0;
+/// The terrain with all changes that can be, and what follows from it alone; null where none can be.
+std::shared_ptr<ChangedLand> LandWorker::ground_of(const LandTask& task, LandAnswer& answer) const {
+    auto changed = std::make_shared<ChangedLand>();
+    if (task.earlier && task.earlier->outcome.world->terrain == task.world->terrain) {
+        changed->outcome.edit = task.earlier->outcome.edit;
+        changed->terrain_hash = task.earlier->terrain_hash;
+        changed->choice = task.earlier->choice;
+        changed->indexed.terrain = task.earlier->indexed.terrain;
+        return changed;
+    }
+    std::optional<TerrainEdit> sum;
+    for (size_t i = 0; i < task.changes.size(); ++i) {
+        auto next = edited(sum ? *sum->terrain : *task.world->terrain, task.changes[i]);
+        if (!next)
+            answer.refused[i] = next.error();
+        else
+            sum = sum ? followed_by(*sum, std::move(next).value()) : std::move(next).value();
+    }
+    if (!sum) return nullptr;
+    changed->outcome.edit = std::move(*sum);
+    const TerrainEdit& edit = changed->outcome.edit;
+    changed->terrain_hash = terrain_hash(*edit.terrain);
+    changed->choice = std::make_shared<const TerrainChoice>(*task.choice, edit.terrain, edit.touched);
+    changed->indexed.terrain = std::make_shared<const TerrainMinima>(edit.terrain);
+    return changed;
+}
+
+void LandWorker::index_fields(const LandTask& task, ChangedLand& changed) {
     for (const Retraced& next : changed.outcome.touched)
         for (const auto& field : next.land.fields) {
-            blocks += field->block_count();
+            const auto same = [&](const auto& known) { return known->field == field; };
+            if (task.earlier) {
+                const auto& known = task.earlier->indexed.fields;
+                const auto place = std::find_if(known.begin(), known.end(), same);
+                if (place != known.end()) {
+                    changed.indexed.fields.push_back(*place);
+                    continue;
+                }
+            }
             changed.indexed.fields.push_back(
-                index_blocks(field, index == nullptr ? nullptr : index->find(next.box)));
+                index_blocks(field, task.index == nullptr ? nullptr : task.index->find(next.box)));
         }
-    spdlog::info("changed {} samples of the terrain; of {} boxes {} are touched: {} blocks in {} ms",
-                 edit.samples, boxes.size(), changed.outcome.touched.size(), blocks,
-                 (monotonic_us() - begun_us) / 1000);
-    return changed;
+}
+
+LandAnswer LandWorker::change_now(const LandTask& task) const {
+    const int64_t begun_us = monotonic_us();
+    LandAnswer answer;
+    answer.refused.resize(task.changes.size());
+    const auto changed = ground_of(task, answer);
+    if (!changed) return answer;
+    auto outcome = trace_edit(task.world, std::move(changed->outcome.edit), task.boxes, settings_,
+                              task.most_blocks, task.earlier ? &task.earlier->outcome : nullptr);
+    if (!outcome) {
+        answer.error = outcome.error();
+        return answer;
+    }
+    changed->outcome = std::move(outcome).value();
+    index_fields(task, *changed);
+    size_t blocks = 0;
+    for (const Retraced& next : changed->outcome.touched) blocks += blocks_of(next.land);
+    spdlog::info("{} changes of {} samples of the terrain; of {} boxes {} are touched: {} blocks in {} ms",
+                 task.changes.size(), changed->outcome.edit.samples, task.boxes.size(),
+                 changed->outcome.touched.size(), blocks, (monotonic_us() - begun_us) / 1000);
+    answer.changed = changed;
+    return answer;
 }
 
 void LandWorker::trace(WaveTrainBox box, FieldId first_field,
@@ -107,24 +153,32 @@ TracedLand LandWorker::trace_and_wait(const WaveTrainBox& box, FieldId first_fie
     return traced.get_future().get();
 }
 
-void LandWorker::change(std::shared_ptr<const WorldState> world, ChangeLand change, std::vector<BoxId> boxes,
-                        std::shared_ptr<const TerrainChoice> choice,
-                        std::shared_ptr<const InterestIndex> index,
-                        std::function<void(Result<ChangedLand>)> done) {
+void LandWorker::change(LandTask task, std::function<void(LandAnswer)> done) {
     loop_.assert_here();
-    ask([this, world = std::move(world), change = std::move(change), boxes = std::move(boxes),
-         choice = std::move(choice), index = std::move(index), done = std::move(done)] {
-        auto changed = change_now(*world, change, boxes, *choice, index.get());
-        loop_.post([done, changed = std::move(changed)]() mutable { done(std::move(changed)); });
+    ask([this, task = std::move(task), done = std::move(done)]() mutable {
+        LandAnswer answer = change_now(task);
+        // What the task holds on to may be the last of an old world: it goes here, not on the io thread.
+        task = {};
+        loop_.post([done, answer = std::move(answer)]() mutable { done(std::move(answer)); });
     });
 }
 
-Result<ChangedLand> LandWorker::change_and_wait(std::shared_ptr<const WorldState> world,
-                                                const ChangeLand& change, std::vector<BoxId> boxes,
-                                                std::shared_ptr<const TerrainChoice> choice) {
-    std::promise<Result<ChangedLand>> changed;
-    ask([&] { changed.set_value(change_now(*world, change, boxes, *choice, nullptr)); });
+LandAnswer LandWorker::change_and_wait(LandTask task) {
+    std::promise<LandAnswer> changed;
+    ask([&] { changed.set_value(change_now(task)); });
     return changed.get_future().get();
+}
+
+bool LandWorker::still_holds(const LandOutcome& outcome, const WorldState& world,
+                             std::span<const BoxId> boxes) const {
+    return trochoid::still_holds(outcome, world, boxes, settings_);
+}
+
+std::optional<TracedLand> LandWorker::open_water(const WaveTrainBox& box, FieldId first_field) const {
+    loop_.assert_here();
+    if (!ground_.terrain || box.trains.empty()) return TracedLand{};
+    if (!land_area(box, *ground_.terrain, settings_).empty()) return std::nullopt;
+    return trace_land(box, *ground_.terrain, first_field, settings_);
 }
 
 uint64_t LandWorker::key_of(const WaveTrainBox& box) const { return land_key(box, ground_.hash, settings_); }

@@ -3,8 +3,10 @@
 #include <cstdint>
 #include <deque>
 #include <functional>
+#include <limits>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <span>
 #include <thread>
 #include <vector>
@@ -26,6 +28,25 @@ struct ChangedLand {
     IndexedLand indexed;  ///< terrain and fields, for culls
 };
 
+/// Changes of the land to be traced together, as if they were one.
+struct LandTask {
+    std::shared_ptr<const WorldState> world;
+    std::vector<ChangeLand> changes;
+    std::vector<BoxId> boxes;
+    std::shared_ptr<const TerrainChoice> choice;
+    std::shared_ptr<const InterestIndex> index;  ///< of `world`; may be null
+    size_t most_blocks = std::numeric_limits<size_t>::max();
+    /// What the very same changes came to on an earlier state of the world; null: nothing is known.
+    std::shared_ptr<const ChangedLand> earlier{};
+};
+
+struct LandAnswer {
+    /// One a change: the error of one that cannot be. The others stand as if it had not been asked for.
+    std::vector<std::optional<Error>> refused;
+    std::shared_ptr<const ChangedLand> changed;  ///< null where all are refused, or where there is an `error`
+    std::optional<Error> error;                  ///< too_much_land
+};
+
 /// Traces the land of new boxes, and of all that a change of the land can reach, and indexes it for culls, on a thread of its own, so
 /// that the io thread goes on meanwhile. Destruction waits for the trace in progress and drops the others.
 class LandWorker {
@@ -40,13 +61,13 @@ public:
     void trace(WaveTrainBox box, FieldId first_field, std::function<void(TracedLand, IndexedLand)> done);
     /// For the time before the loop runs.
     TracedLand trace_and_wait(const WaveTrainBox& box, FieldId first_field);
-    /// Edits the terrain and traces these boxes again; `index` is the one of `world`. Calls back on the io thread, in order of asking.
-    void change(std::shared_ptr<const WorldState> world, ChangeLand change, std::vector<BoxId> boxes,
-                std::shared_ptr<const TerrainChoice> choice, std::shared_ptr<const InterestIndex> index,
-                std::function<void(Result<ChangedLand>)> done);
-    Result<ChangedLand> change_and_wait(std::shared_ptr<const WorldState> world, const ChangeLand& change,
-                                        std::vector<BoxId> boxes,
-                                        std::shared_ptr<const TerrainChoice> choice);
+    /// Edits the terrain and traces the boxes again. Calls back on the io thread, in order of asking.
+    void change(LandTask task, std::function<void(LandAnswer)> done);
+    LandAnswer change_and_wait(LandTask task);
+    /// Whether the outcome is still that of these boxes of the world.
+    bool still_holds(const LandOutcome& outcome, const WorldState& world, std::span<const BoxId> boxes) const;
+    /// The trace of a box that no land acts on, which takes no time: without terrain, without trains, or beside the terrain. Else none.
+    std::optional<TracedLand> open_water(const WaveTrainBox& box, FieldId first_field) const;
     /// The terrain that traces asked for from now on are over.
     void take_terrain(std::shared_ptr<const TerrainGrid> terrain, uint64_t terrain_hash);
     /// Names all that a trace of the box depends on; equal keys, equal land.
@@ -60,9 +81,9 @@ private:
     void work();
     void ask(std::function<void()> job);
     TracedLand trace_now(const WaveTrainBox& box, FieldId first_field, const Ground& ground);
-    Result<ChangedLand> change_now(const WorldState& world, const ChangeLand& change,
-                                   std::span<const BoxId> boxes, const TerrainChoice& choice,
-                                   const InterestIndex* index) const;
+    LandAnswer change_now(const LandTask& task) const;
+    std::shared_ptr<ChangedLand> ground_of(const LandTask& task, LandAnswer& answer) const;
+    static void index_fields(const LandTask& task, ChangedLand& changed);
 
     IoLoop& loop_;
     Ground ground_;  // the io thread's

@@ -21,7 +21,7 @@ Result<Done> replay(World& world, std::span<const StoredEvent> events, const Lan
                             stored.position.value, state->log_position.value)};
         const auto event = decode_event(stored.bytes);
         if (!event) return event.error();
-        Derived derived = derive(*state, *event, settings);
+        Derived derived = derive(state, *event, settings);
         world.apply(*event, stored.bytes, std::move(derived));
     }
     return Done{};

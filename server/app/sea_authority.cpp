@@ -17,27 +17,11 @@ namespace trochoid {
 
 namespace {
 
-// While a box was traced another may have begun or ended, which changes its choppiness and with it the land. Commands go one
-// by one, so a second trace is always enough.
-constexpr int most_traces = 3;
-
-// How long a change of the land may have to wait for those before it, sea time. Winds cannot be stopped before the changes that they
-// are to outlive, so these must not pile up.
-constexpr int64_t longest_land_wait_us = 6 * land_fade_us;
-
 // 1 to 2^63 - 1, as scene files allow.
 uint64_t random_seed() {
     std::random_device device;
     const uint64_t bits = (uint64_t{device()} << 32) | device();
     return std::max<uint64_t>(bits >> 1, 1);
-}
-
-CommandReply refusal(const Command& command, const Error& error) {
-    CommandReply reply;
-    reply.sequence = command.sequence;
-    reply.code = error.code;
-    reply.message = error.message;
-    return reply;
 }
 
 [[noreturn]] void refuse_scene(const std::string& what, const Error& error) {
@@ -78,6 +62,9 @@ void SeaAuthority::open_box(const std::string& name, const Result<BoxStarted>& p
     if (!planned) refuse_scene(fmt::format("'{}'", name), planned.error());
     Derived derived;
     derived.lands.push_back(worker_.trace_and_wait(planned->box, {world_.state()->next_field}));
+    if (const LandRoom room = world_.room_for_land(planned->box.begin);
+        blocks_of(derived.lands.front()) > room.left())
+        refuse_scene(fmt::format("'{}'", name), too_much_land(room));
     BoxStarted started = world_.fit_to_land(*planned, derived.lands.front());
     const SeaTime begin = started.box.begin;
     append(single({0, begin, std::move(started)}, std::move(derived)));
@@ -86,12 +73,14 @@ void SeaAuthority::open_box(const std::string& name, const Result<BoxStarted>& p
 void SeaAuthority::open_breakwaters(const Scene& scene) {
     for (size_t i = 0; i < scene.breakwaters.size(); ++i) {
         const std::string name = fmt::format("breakwater {}", i + 1);
-        auto changed = worker_.change_and_wait(world_.state(), scene.breakwaters[i], {}, choice_);
-        if (!changed) refuse_scene(name, changed.error());
+        const LandAnswer answer =
+            worker_.change_and_wait({world_.state(), {scene.breakwaters[i]}, {}, choice_, nullptr});
+        if (!answer.changed) refuse_scene(name, answer.refused.front().value());
         auto planned = world_.plan(scene.breakwaters[i], scene.clock_start, {});
         if (!planned) refuse_scene(name, planned.error());
-        append(single({0, scene.clock_start, std::move(planned).value()}, derived_from(changed->outcome)));
-        take_land(*changed);
+        append(single({0, scene.clock_start, std::move(planned).value()},
+                      derived_from(answer.changed->outcome)));
+        take_land(*answer.changed);
     }
 }
 
@@ -122,30 +111,37 @@ void SeaAuthority::open_ship(const SceneShip& ship) {
     }
 }
 
-void SeaAuthority::command(const Command& command, Reply reply) {
+void SeaAuthority::command(const Command& asked, Reply reply, uint64_t session) {
     loop_.assert_here();
-    TROCHOID_ASSERT(!std::holds_alternative<ListBoxes>(command.action), "lists change nothing");
-    if (waiting_.size() >= most_waiting) {
-        reply(refusal(command, {ErrorCode::rate_limited,
-                                "too many commands wait for their land to be traced: send it again later"}));
-        return;
-    }
-    waiting_.push_back({command, std::move(reply)});
-    if (!busy_) next();
+    TROCHOID_ASSERT(!std::holds_alternative<ListBoxes>(asked.action), "lists change nothing");
+    Command command = asked;
+    if (auto* wind = std::get_if<StartWind>(&command.action); wind != nullptr && wind->seed == 0)
+        wind->seed = random_seed();
+    if (auto done = at_once(command)) return reply(std::move(*done));
+    if (const auto room = queue_.has_room(session); !room) return reply(refused(command, room.error()));
+    queue_.push({command, std::move(reply), session});
+    go_on();
 }
 
-void SeaAuthority::next() {
-    while (!busy_ && !waiting_.empty()) {
-        busy_ = true;
-        Waiting waiting = std::move(waiting_.front());
-        waiting_.pop_front();
-        std::visit([&](const auto& action) { execute(action, waiting); }, waiting.command.action);
+// The reply to a command for which nothing has to be traced; none where it has to wait for its turn.
+std::optional<CommandReply> SeaAuthority::at_once(const Command& command) {
+    if (const auto* wind = std::get_if<StartWind>(&command.action))
+        return start_on_open_water(*wind, command);
+    if (const auto* change = std::get_if<ChangeLand>(&command.action)) {
+        if (const auto ok = validate(*change); !ok) return refused(command, ok.error());
+        if (state_->terrain) return std::nullopt;
+        return refused(command, {ErrorCode::no_terrain,
+                                 "this world is open sea without a terrain: open a scene that has one to "
+                                 "change it"});
     }
-}
-
-// Sessions answer lists themselves.
-void SeaAuthority::execute(const ListBoxes&, const Waiting&) {
-    TROCHOID_ASSERT(false, "lists change nothing");
+    // A box that is still to come may be one of those in the queue.
+    const auto is_to_come = [this](BoxId box) { return box.value >= state_->next_box; };
+    const auto* steer = std::get_if<Steer>(&command.action);
+    const auto* stop = std::get_if<StopWind>(&command.action);
+    const bool names_one =
+        (steer != nullptr && is_to_come(steer->box)) || (stop != nullptr && is_to_come(stop->box));
+    if (names_one && (tracing_ || !queue_.empty())) return std::nullopt;
+    return carry_out(command);
 }
 
 Result<SeaTime> SeaAuthority::stamp(const Command& command) {
@@ -154,116 +150,63 @@ Result<SeaTime> SeaAuthority::stamp(const Command& command) {
     return effective_time(command.at, present, watermark() - present, command.refuse_if_late);
 }
 
-// While the last change of the land is still cross-fading the next one waits.
-Result<SeaTime> SeaAuthority::stamp_land(const Command& command) {
-    Result<SeaTime> effective = stamp(command);
-    if (!effective) return effective;
-    // Chart and bed are the new ones for whoever asks from then on, so the change may not lie far ahead.
-    if (*effective - now() > longest_land_wait_us)
-        return Error{ErrorCode::value_out_of_range,
-                     "the land can change at most 60 s of sea time ahead: send it later"};
-    const SeaTime settled = world_.land_settled();
-    if (*effective >= settled) return effective;
-    if (command.refuse_if_late || settled - *effective > longest_land_wait_us)
-        return Error{
-            ErrorCode::too_late,
-            fmt::format("the land changes until sea time {}: ask for a later time", text_of(settled))};
-    return settled;
+// A wind beside the terrain is started at once; none: its land has to be traced.
+std::optional<CommandReply> SeaAuthority::start_on_open_water(const StartWind& wind, const Command& command) {
+    const Result<SeaTime> effective = stamp(command);
+    if (!effective) return refused(command, effective.error());
+    Result<BoxStarted> planned = world_.plan(wind, *effective);
+    if (!planned) return refused(command, planned.error());
+    std::optional<TracedLand> land = worker_.open_water(planned->box, {state_->next_field});
+    if (!land) return std::nullopt;
+    BoxStarted fitted = world_.fit_to_land(std::move(*planned), *land);
+    const BoxId id = fitted.box.id;
+    Derived derived;
+    derived.lands.push_back(std::move(*land));
+    return commit(command, single({0, *effective, std::move(fitted)}, std::move(derived)), id);
 }
 
-void SeaAuthority::execute(const StartWind& asked, const Waiting& waiting) {
-    StartWind wind = asked;
-    if (wind.seed == 0) wind.seed = random_seed();
-    const Result<SeaTime> expected = stamp(waiting.command);
-    if (!expected) return finish_refused(waiting, expected.error());
-    const Result<BoxStarted> planned = world_.plan(wind, *expected);
-    if (!planned) return finish_refused(waiting, planned.error());
-    trace_then_start(*planned, wind, waiting, 1);
+CommandReply SeaAuthority::carry_out(const Command& command) {
+    return std::visit(
+        [&](const auto& action) -> CommandReply {
+            if constexpr (requires { carry_out(action, command); }) return carry_out(action, command);
+            TROCHOID_ASSERT(false, "action {} is not carried out at once", command.action.index());
+            return {};
+        },
+        command.action);
 }
 
-// Only when the land is known is the command stamped, and planned again for that time.
-void SeaAuthority::trace_then_start(const BoxStarted& planned, StartWind wind, Waiting waiting, int attempt) {
-    const uint64_t traced = worker_.key_of(planned.box);
-    worker_.trace(planned.box, {state_->next_field},
-                  [this, traced, wind, attempt, waiting = std::move(waiting)](TracedLand land,
-                                                                              IndexedLand indexed) mutable {
-                      const Result<SeaTime> effective = stamp(waiting.command);
-                      if (!effective) return finish_refused(waiting, effective.error());
-                      Result<BoxStarted> now_planned = world_.plan(wind, *effective);
-                      if (!now_planned) return finish_refused(waiting, now_planned.error());
-                      if (worker_.key_of(now_planned->box) != traced && attempt < most_traces)
-                          return trace_then_start(*now_planned, wind, std::move(waiting), attempt + 1);
-                      Planned started{{}, {}};
-                      started.event.effective = *effective;
-                      BoxStarted fitted = world_.fit_to_land(std::move(*now_planned), land);
-                      const BoxId id = fitted.box.id;
-                      started.event.what = std::move(fitted);
-                      started.derived.lands.push_back(std::move(land));
-                      indexed_ = std::move(indexed);
-                      finish(waiting, commit(waiting.command, {std::move(started)}, id));
-                  });
-}
-
-void SeaAuthority::execute(const StopWind& stop, const Waiting& waiting) {
-    const Result<SeaTime> effective = stamp(waiting.command);
-    if (!effective) return finish_refused(waiting, effective.error());
+CommandReply SeaAuthority::carry_out(const StopWind& stop, const Command& command) {
+    const Result<SeaTime> effective = stamp(command);
+    if (!effective) return refused(command, effective.error());
     const Result<BoxEnding> planned = world_.plan(stop, *effective);
-    if (!planned) return finish_refused(waiting, planned.error());
-    finish(waiting, commit(waiting.command, {{{0, planned->end, *planned}, {}}}, stop.box));
+    if (!planned) return refused(command, planned.error());
+    return commit(command, single({0, planned->end, *planned}, {}), stop.box);
 }
 
 // Wakes know no land: nothing to trace.
-void SeaAuthority::execute(const StartShip& ship, const Waiting& waiting) {
-    const Result<SeaTime> effective = stamp(waiting.command);
-    if (!effective) return finish_refused(waiting, effective.error());
+CommandReply SeaAuthority::carry_out(const StartShip& ship, const Command& command) {
+    const Result<SeaTime> effective = stamp(command);
+    if (!effective) return refused(command, effective.error());
     Result<BoxStarted> planned = world_.plan(ship, *effective);
-    if (!planned) return finish_refused(waiting, planned.error());
+    if (!planned) return refused(command, planned.error());
     const BoxId id = planned->box.id;
-    finish(waiting, commit(waiting.command, {{{0, *effective, std::move(*planned)}, {}}}, id));
+    return commit(command, single({0, *effective, std::move(*planned)}, {}), id);
 }
 
 // A moving wind's land was traced wherever it may come, and wakes know none.
-void SeaAuthority::execute(const Steer& steer, const Waiting& waiting) {
-    const Result<SeaTime> effective = stamp(waiting.command);
-    if (!effective) return finish_refused(waiting, effective.error());
-    Result<Steering> steering = world_.plan(steer, *effective);
-    if (!steering) return finish_refused(waiting, steering.error());
-    finish(waiting, commit(waiting.command, planned_of(*steering), steering->box));
-}
-
-void SeaAuthority::execute(const ChangeLand& change, const Waiting& waiting) {
-    const Result<SeaTime> expected = stamp_land(waiting.command);
-    if (!expected) return finish_refused(waiting, expected.error());
-    const std::vector<BoxId> boxes = world_.on_land_at(*expected);
-    worker_.change(state_, change, boxes, choice_, index_,
-                   [this, boxes, change, waiting](const Result<ChangedLand>& changed) {
-                       if (!changed) return finish_refused(waiting, changed.error());
-                       change_land_with(*changed, boxes, change, waiting);
-                   });
-}
-
-void SeaAuthority::change_land_with(const ChangedLand& changed, const std::vector<BoxId>& traced,
-                                    const ChangeLand& change, const Waiting& waiting) {
-    const Result<SeaTime> effective = stamp_land(waiting.command);
-    if (!effective) return finish_refused(waiting, effective.error());
-    // A box may have begun its decay meanwhile: then there are fewer to trace, and the fields' numbers are others.
-    if (world_.on_land_at(*effective) != traced) return execute(change, waiting);
-    Result<LandChanged> planned = world_.plan(change, *effective, changed.outcome.touched);
-    if (!planned) return finish_refused(waiting, planned.error());
-    std::vector<Planned> land(1);
-    land.front().event.effective = *effective;
-    land.front().event.what = std::move(*planned);
-    land.front().derived = derived_from(changed.outcome);
-    take_land(changed);
-    finish(waiting, commit(waiting.command, std::move(land), {}));
+CommandReply SeaAuthority::carry_out(const Steer& steer, const Command& command) {
+    const Result<SeaTime> effective = stamp(command);
+    if (!effective) return refused(command, effective.error());
+    const Result<Steering> steering = world_.plan(steer, *effective);
+    if (!steering) return refused(command, steering.error());
+    return commit(command, planned_of(*steering), steering->box);
 }
 
 // A rate takes hold at once: until clients hear of it their clocks run on at the old one, and are slewed.
-void SeaAuthority::execute(const SetRate& rate, const Waiting& waiting) {
-    const int64_t now_us = monotonic_us();
-    const Result<ClockChanged> planned = world_.plan(rate, now_us);
-    if (!planned) return finish_refused(waiting, planned.error());
-    finish(waiting, commit(waiting.command, {{{0, planned->clock.start, *planned}, {}}}, {}));
+CommandReply SeaAuthority::carry_out(const SetRate& rate, const Command& command) {
+    const Result<ClockChanged> planned = world_.plan(rate, monotonic_us());
+    if (!planned) return refused(command, planned.error());
+    return commit(command, single({0, planned->clock.start, *planned}, {}), {});
 }
 
 CommandReply SeaAuthority::commit(const Command& command, std::vector<Planned> planned, BoxId box) {
@@ -309,16 +252,14 @@ void SeaAuthority::publish() {
     if (changed_) changed_();
 }
 
-void SeaAuthority::finish(const Waiting& waiting, CommandReply reply) {
-    waiting.reply(std::move(reply));
-    busy_ = false;
-    next();
-}
-
-void SeaAuthority::finish_refused(const Waiting& waiting, const Error& error) {
-    spdlog::info("command {} refused: {} {}", waiting.command.sequence, static_cast<unsigned>(error.code),
+CommandReply SeaAuthority::refused(const Command& command, const Error& error) {
+    spdlog::info("command {} refused: {} {}", command.sequence, static_cast<unsigned>(error.code),
                  error.message);
-    finish(waiting, refusal(waiting.command, error));
+    CommandReply reply;
+    reply.sequence = command.sequence;
+    reply.code = error.code;
+    reply.message = error.message;
+    return reply;
 }
 
 }  // namespace trochoid

@@ -1,11 +1,12 @@
 #pragma once
 #include <cstdint>
-#include <deque>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "server/app/land_queue.hpp"
 #include "server/app/land_worker.hpp"
 #include "server/app/terrain_choice.hpp"
 #include "server/event/event_log.hpp"
@@ -16,15 +17,15 @@
 
 namespace trochoid {
 
-/// Owns the world, the event log and the clock. A command goes: accept → plan → trace the land of a new box, or of all boxes on
-/// changed land (on the worker) → stamp → append → apply → publish → reply; one after the other, so that each is planned
-/// on what it changes. Where a command makes several events (a ship's new course), they are logged and published together.
-/// Lives on the io thread.
+/// Owns the world, the event log and the clock. A command goes: accept → plan → stamp → append → apply → publish → reply. Where a
+/// command makes several events (a ship's new course), they are logged and published together. Lives on the io thread.
+///
+/// Most commands are carried out and answered at once. Those for which land has to be traced (on the worker) queue: one trace goes on
+/// at a time, and the command is planned and stamped again when it is done, since others have passed it meanwhile.
+/// Neighbours in the queue that change the land to take hold at once are traced together and make one event.
+/// A command that names a box which does not exist yet keeps its place behind those that may make it.
 class SeaAuthority {
 public:
-    /// Commands that wait for the one in progress; more are refused with rate_limited.
-    static constexpr size_t most_waiting = 64;
-
     SeaAuthority(IoLoop& loop, World& world, EventLog& log, LandWorker& worker, uint32_t lead_ms);
     SeaAuthority(const SeaAuthority&) = delete;
     SeaAuthority& operator=(const SeaAuthority&) = delete;
@@ -36,8 +37,11 @@ public:
     void on_change(std::function<void()> changed) { changed_ = std::move(changed); }
 
     using Reply = std::function<void(CommandReply)>;
-    /// A director's command (not ListBoxes). The reply comes once, on the io thread.
-    void command(const Command& command, Reply reply);
+    /// A director's command (not ListBoxes). The reply comes once, on the io thread; queue_overflow where too many wait. `session`:
+    /// who asks, 0 for this process itself.
+    void command(const Command& command, Reply reply, uint64_t session = 0);
+    /// A session is over: what it has left in the queue is dropped without a reply.
+    void session_over(uint64_t session);
 
     std::shared_ptr<const WorldState> state() const { return state_; }
     std::shared_ptr<const InterestIndex> index() const { return index_; }
@@ -47,28 +51,37 @@ public:
     SeaTime watermark();
 
 private:
-    struct Waiting {
-        Command command;
-        Reply reply;
-    };
     struct Planned {
         LogEvent event;
         Derived derived;
     };
+    // sea_authority.cpp: the scene, and what is done at once.
     void open_breakwaters(const Scene& scene);
     void open_ship(const SceneShip& ship);
     void open_box(const std::string& name, const Result<BoxStarted>& planned);
-    void next();
-    void execute(const StartWind& wind, const Waiting& waiting);
-    void execute(const StopWind& stop, const Waiting& waiting);
-    void execute(const SetRate& rate, const Waiting& waiting);
-    void execute(const StartShip& ship, const Waiting& waiting);
-    void execute(const Steer& steer, const Waiting& waiting);
-    void execute(const ChangeLand& change, const Waiting& waiting);
-    void execute(const ListBoxes&, const Waiting&);
-    void trace_then_start(const BoxStarted& planned, StartWind wind, Waiting waiting, int attempt);
-    void change_land_with(const ChangedLand& changed, const std::vector<BoxId>& traced,
-                          const ChangeLand& change, const Waiting& waiting);
+    CommandReply carry_out(const Command& command);
+    CommandReply carry_out(const StopWind& stop, const Command& command);
+    CommandReply carry_out(const SetRate& rate, const Command& command);
+    CommandReply carry_out(const StartShip& ship, const Command& command);
+    CommandReply carry_out(const Steer& steer, const Command& command);
+    std::optional<CommandReply> start_on_open_water(const StartWind& wind, const Command& command);
+    std::optional<CommandReply> at_once(const Command& command);
+
+    // sea_authority_land.cpp: what queues.
+    void go_on();
+    void begin(const StartWind& wind, WaitingCommand waiting);
+    void trace_then_start(const BoxStarted& planned, const StartWind& wind, WaitingCommand waiting,
+                          int attempt);
+    void start_traced(const BoxStarted& planned, const WaitingCommand& waiting, TracedLand land,
+                      IndexedLand indexed);
+    using Together = std::vector<WaitingCommand>;  ///< changes of the land, in order, at least one
+    void begin_land_change(WaitingCommand first);
+    void trace_changes(Together changes, SeaTime expected, std::shared_ptr<const ChangedLand> earlier);
+    void changes_traced(Together changes, const LandAnswer& answer);
+    void change_land_with(const std::shared_ptr<const ChangedLand>& changed, Together changes);
+    void one_by_one(Together changes, const Error& error);
+    void answer(const WaitingCommand& waiting, CommandReply reply);
+
     Result<SeaTime> stamp(const Command& command);
     Result<SeaTime> stamp_land(const Command& command);
     CommandReply commit(const Command& command, std::vector<Planned> planned, BoxId box);
@@ -77,8 +90,7 @@ private:
     static std::vector<Planned> planned_of(const Steering& steering);
     void take_land(const ChangedLand& changed);
     void publish();
-    void finish(const Waiting& waiting, CommandReply reply);
-    void finish_refused(const Waiting& waiting, const Error& error);
+    static CommandReply refused(const Command& command, const Error& error);
 
     IoLoop& loop_;
     World& world_;
@@ -90,8 +102,8 @@ private:
     std::shared_ptr<const TerrainChoice> choice_;
     IndexedLand indexed_;  // for the next index
     std::function<void()> changed_;
-    std::deque<Waiting> waiting_;
-    bool busy_ = false;
+    LandQueue queue_;
+    bool tracing_ = false;  // the command before the queue's first
     uint64_t next_event_ = 1;
     SeaTime promised_{INT64_MIN / 4};  // the highest watermark given out
 };

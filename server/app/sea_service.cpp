@@ -66,9 +66,10 @@ InterestDelta SeaService::change(const InterestState& base, const InterestState&
     return delta;
 }
 
-void SeaService::command(const Command& command, Role role, std::function<void(CommandReply)> reply) {
+void SeaService::command(const Command& command, Role role, uint64_t session,
+                         std::function<void(CommandReply)> reply) {
     const Result<Done> allowed = permitted(role, command);
-    if (allowed) return authority_.command(command, std::move(reply));
+    if (allowed) return authority_.command(command, std::move(reply), session);
     CommandReply refused;
     refused.sequence = command.sequence;
     refused.code = allowed.error().code;

@@ -28,7 +28,9 @@ public:
         return authority_.terrain_choice()->revision(key);
     }
     TerrainTile tile(TerrainTileKey key) override { return authority_.terrain_choice()->tile(key); }
-    void command(const Command& command, Role role, std::function<void(CommandReply)> reply) override;
+    void command(const Command& command, Role role, uint64_t session,
+                 std::function<void(CommandReply)> reply) override;
+    void session_over(uint64_t session) override { authority_.session_over(session); }
     BoxList list_boxes() const override;
     Result<SampleReply> sample(const SampleRequest& request) const override;
     Result<RaysReply> rays(const RaysRequest& request) const override;

@@ -102,7 +102,7 @@ void run_server(const ServerConfig& config) {
 
     IoLoop loop;
     LandWorker worker(loop, terrain, land_settings_of(scene.land));
-    World world(scene.name, terrain, opening_clock(scene, config.paused));
+    World world(scene.name, terrain, opening_clock(scene, config.paused), land_blocks_of(config));
     InMemoryEventLog log;
     SeaAuthority authority(loop, world, log, worker, config.lead_ms);
     SeaService sea(authority, random_instance(), token);

@@ -7,12 +7,15 @@
 
 #include "protocol/units/operator_error.hpp"
 #include "protocol/units/version.hpp"
+#include "server/world/world_state.hpp"
 
 namespace trochoid {
 
 namespace {
 
 constexpr uint32_t longest_lead_ms = 10'000;
+constexpr uint32_t least_land_mib = 16;
+constexpr uint32_t most_land_mib = 1U << 20;
 
 /// An unset shell variable gives an empty value; taken as "none" it would silently switch something off.
 std::string refuse_empty(const std::string& value) { return value.empty() ? "is empty: give a value" : ""; }
@@ -36,6 +39,9 @@ void add_options(CLI::App& app, ServerConfig& config) {
         ->capture_default_str();
     app.add_option("--lead-ms", config.lead_ms, "Milliseconds from a command's stamp to its effect")
         ->check(CLI::Range(0U, longest_lead_ms))
+        ->capture_default_str();
+    app.add_option("--land-mib", config.land_mib, "Most MiB of memory for what land does to waves")
+        ->check(CLI::Range(least_land_mib, most_land_mib))
         ->capture_default_str();
     app.add_flag("--paused", config.paused, "Start with sea time standing still");
 }
@@ -61,9 +67,14 @@ std::optional<ServerConfig> parse_command_line(int argc, const char* const* argv
 std::string text_of(const ServerConfig& config) {
     const auto file = [](const std::filesystem::path& path) { return path.empty() ? "none" : path.string(); };
     return fmt::format(
-        "scene {}, bind {}, port {}, port file {}, director token file {}, log level {}, lead {} ms, {}",
+        "scene {}, bind {}, port {}, port file {}, director token file {}, log level {}, lead {} ms, land {} MiB, {}",
         config.scene.string(), fmt::join(config.bind, " "), config.port, file(config.port_file),
-        file(config.token_file), config.log_level, config.lead_ms, config.paused ? "paused" : "running");
+        file(config.token_file), config.log_level, config.lead_ms, config.land_mib,
+        config.paused ? "paused" : "running");
+}
+
+size_t land_blocks_of(const ServerConfig& config) {
+    return (size_t{config.land_mib} << 20) / land_block_bytes;
 }
 
 Limits limits_of(const ServerConfig& config) {

@@ -20,6 +20,8 @@ struct ServerConfig {
     std::string log_level = "info";    ///< trace, debug, info, warn, error, off
     uint32_t lead_ms = 500;            ///< real time between a command's stamp and its effect, 0 to 10,000
     bool paused = false;               ///< sea time stands still until a director sets a rate
+    /// Memory for what land does to waves, MiB, 16 to 1,048,576: commands that would go beyond are refused (too_much_land).
+    uint32_t land_mib = 4096;
     bool operator==(const ServerConfig&) const = default;
 };
 
@@ -29,6 +31,9 @@ std::optional<ServerConfig> parse_command_line(int argc, const char* const* argv
 
 /// One line for the log, the effective values of everything.
 std::string text_of(const ServerConfig& config);
+
+/// WorldState::most_land_blocks as this config sets it.
+size_t land_blocks_of(const ServerConfig& config);
 
 /// The protocol's limits as this config sets them; stated in every hello.
 Limits limits_of(const ServerConfig& config);

@@ -9,7 +9,7 @@ namespace {
 // Well below the frame limit: the estimates of what an element takes on the wire are rounded up.
 constexpr size_t piece_bytes = 12 * 1024;
 
-size_t wire_bytes(const BoxSummary& box) { return 144 + box.name.size(); }
+size_t wire_bytes(const BoxSummary& box) { return 160 + box.name.size(); }
 size_t wire_bytes(const WaveRay& ray) { return 64 + 32 * ray.points.size(); }
 
 // `part` is the reply without its elements; `elements` names their member.

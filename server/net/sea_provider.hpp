@@ -74,8 +74,11 @@ public:
     virtual TerrainTile tile(TerrainTileKey key) = 0;
 
     /// Everything but ListBoxes. The callback comes once, maybe much later (land has to be traced), maybe before this
-    /// returns; the reply's sequence is the command's.
-    virtual void command(const Command& command, Role role, std::function<void(CommandReply)> reply) = 0;
+    /// returns; the reply's sequence is the command's. `session`: the number of the one that asks.
+    virtual void command(const Command& command, Role role, uint64_t session,
+                         std::function<void(CommandReply)> reply) = 0;
+    /// A session has ended: what it has asked for and was not begun is dropped without a reply.
+    virtual void session_over(uint64_t session) = 0;
     virtual BoxList list_boxes() const = 0;
     virtual Result<SampleReply> sample(const SampleRequest& request) const = 0;
     virtual Result<RaysReply> rays(const RaysRequest& request) const = 0;

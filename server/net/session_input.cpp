@@ -275,7 +275,7 @@ void Session::handle(const Command& command) {
         answers_.ask(ListRequest{command.sequence});
         return;
     }
-    around_.sea.command(command, role_, [weak = weak_from_this()](const CommandReply& reply) {
+    around_.sea.command(command, role_, id_, [weak = weak_from_this()](const CommandReply& reply) {
         const auto self = weak.lock();
         if (!self || self->stage_ != Stage::live) return;
         if (reply.code != ErrorCode::none) ++self->around_.stats.refused[reply.code];

@@ -66,6 +66,7 @@ void SessionServer::forget(uint64_t id) {
     // Not at once: the session is still on the stack.
     loop_.post([this, id] {
         sessions_.erase(id);
+        around_.sea.session_over(id);
         stats_.sessions_now = sessions_.size();
         if (draining_ && sessions_.empty() && drained_) std::exchange(drained_, nullptr)();
     });

@@ -143,7 +143,7 @@ Ratios flights(Report& report) {
                "coherent, ms", "from base, ms", "ratio", "passes", "base passes");
     for (const Refinement refinement : {Refinement::distance, Refinement::screen, Refinement::frustum}) {
         stage.options.refinement = refinement;
-        const DisplayFilter filter{0.5F, 1.0F / 62.0F};
+        const DisplayFilter filter{0.5F, report.quick() ? 1.0F / 31.0F : 1.0F / 62.0F};
         const auto show = [&](const char* name, const Flight& f, double bar, double& greatest) {
             const double ratio = f.coherent / f.from_base;
             fmt::print("{:>10} {:>14} {:>10} {:>12.2f} {:>14.2f} {:>7.2f} {:>8.1f} {:>12.1f}\n",
@@ -180,7 +180,7 @@ void figure_8(Report& report) {
     fmt::print("\n{:>10} {:>10} {:>18} {:>24} {:>34}\n", "triangles", "in view", "draw, ms",
                "animate + draw, ms", "tessellate + animate + draw, ms");
     const int rounds = report.quick() ? 3 : 7;
-    const double most = report.quick() ? 70'000 : 600'000;
+    const double most = report.quick() ? 20'000 : 600'000;
     for (double wanted = 4'096; wanted <= most; wanted *= 4) {
         CoherentMesher mesher(MesherUse::picture);
         // About 2 pi / angle^2 * (1/2 + ln(farthest / nearest)) triangles about the eye.

@@ -121,7 +121,7 @@ FrameCost Stage::measure(SceneInput scene, Camera camera, const DrawOptions& opt
     return cost;
 }
 
-DrawOptions options_for_triangles(MesherKind kind, double triangles, const Camera& camera) {
+DrawOptions options_for_triangles(MesherKind kind, double triangles, const Camera& camera, double off) {
     // Triangles do not depend on the target's size: a small one is quick.
     Stage stage(32, 18);
     double low = 0;
@@ -139,7 +139,7 @@ DrawOptions options_for_triangles(MesherKind kind, double triangles, const Camer
             best = options;
         }
         (count < triangles ? low : high) = middle;
-        if (least_off < 0.01 * triangles) break;
+        if (least_off < off * triangles) break;
     }
     return best;
 }

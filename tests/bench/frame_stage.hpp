@@ -52,8 +52,9 @@ private:
     Renderer renderer_;
 };
 
-/// Options with which a mesher draws about `triangles` of the sea of 60 trains for this camera.
-DrawOptions options_for_triangles(MesherKind kind, double triangles, const Camera& camera);
+/// Options with which a mesher draws about `triangles` of the sea of 60 trains for this camera: sought until no more than `off` of
+/// them are missing or too many, as far as the mesher comes.
+DrawOptions options_for_triangles(MesherKind kind, double triangles, const Camera& camera, double off = 0.01);
 
 /// Nothing but the sea's mesh, for tables about meshes and waves.
 DrawOptions bare_options(MesherKind kind);

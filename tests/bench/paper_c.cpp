@@ -23,13 +23,16 @@ void by_waves(Report& report, Stage& stage) {
     const Camera camera = looking(10, -0.1, 640, 480);
     nlohmann::json waves, rates, small_rates;
     Stage small(64, 36);
+    const int pictures = report.quick() ? 1 : 15;
+    const int warm = report.quick() ? 1 : 2;
     for (const int n : {1, 10, 20, 40, 80, 160, 250}) {
+        if (report.quick() && n != 1 && n != 40 && n != 250) continue;
         DrawOptions options = mesh_of(40, 20);
         options.authoritative = true;
         const KnownSea sea{{wind_box(n)}, {}};
         const SceneInput scene = scene_of(sea, camera, options);
-        const double rate = stage.measure(scene, camera, options, report.quick() ? 3 : 15).fps();
-        const double vertices = small.measure(scene, camera, options, report.quick() ? 3 : 15).work_ms();
+        const double rate = stage.measure(scene, camera, options, pictures, warm).fps();
+        const double vertices = small.measure(scene, camera, options, pictures, warm).work_ms();
         fmt::print("{:>8} {:>16.1f} {:>14.2f}\n", n, rate, vertices);
         report.figure(fmt::format("C: {} waves, fps", n), rate);
         report.figure(fmt::format("C: {} waves, 64 x 36, ms", n), vertices);
@@ -68,8 +71,8 @@ void methods(Report& report, Stage& stage) {
             DrawOptions options = k == 0 ? mesh_of(60, 30) : mesh_of(250, 250);
             options.far_method = one.method;
             options.authoritative = one.method == FarMethod::spectrum;
-            const FrameCost cost =
-                stage.measure(scene_of(sea, camera, options), camera, options, report.quick() ? 3 : 15);
+            const FrameCost cost = stage.measure(scene_of(sea, camera, options), camera, options,
+                                                 report.quick() ? 1 : 15, report.quick() ? 1 : 2);
             ms[k] = cost.work_ms();
             rate[k] = cost.fps();
         }

@@ -1,4 +1,8 @@
 """Draws a benchmark's curves and bars; matplotlib is needed only here."""
+import textwrap
+
+# Characters of a title that a plot's width surely holds, whatever font a reader's program takes for ours.
+TITLE_WIDTH = 60
 
 
 def check(fail):
@@ -17,8 +21,10 @@ def draw_bars(axis, one):
     for i, group in enumerate(groups):
         places = [at + (i - (len(groups) - 1) / 2) * width for at in range(len(one["categories"]))]
         bars = axis.bar(places, group["values"], width, label=group["name"], alpha=0.45 if group.get("dashed") else 1.0)
-        axis.bar_label(bars, [f"{value:.3g}" for value in group["values"]], fontsize="x-small", padding=1)
-    axis.set_xticks(range(len(one["categories"])), one["categories"])
+        axis.bar_label(bars, [f"{value:.2g}" if 0 < value < 1 else f"{value:.3g}" for value in group["values"]],
+                       fontsize="xx-small" if len(groups) > 3 else "x-small", padding=1)
+    crowded = len(one["categories"]) > 5
+    axis.set_xticks(range(len(one["categories"])), one["categories"], fontsize="small" if crowded else None)
     if one.get("log"):
         axis.set_yscale("log")
     axis.margins(y=0.15)
@@ -38,6 +44,14 @@ def draw_curves(axis, one):
     axis.grid(alpha=0.3)
 
 
+def add_legend(axis, one):
+    """In the emptiest corner of curves; bars fill theirs, so their names stand below."""
+    if "bars" not in one:
+        axis.legend(fontsize="small")
+        return
+    axis.legend(fontsize="small", loc="upper center", bbox_to_anchor=(0.5, -0.16), ncols=min(len(one["bars"]), 2), frameon=False)
+
+
 def draw(result, file, fail):
     """plots: a list of {title, x, y, log (true: both axes), log_y, curves: [{name, x, y, dashed, points (true: no line)}]}, or of
     {title, x, y, log (true: the values' axis), categories, bars: [{name, values, dashed (true: paler)}]}."""
@@ -49,14 +63,13 @@ def draw(result, file, fail):
     # At most three side by side.
     columns = min(len(plots), 3)
     rows = -(-len(plots) // columns)
-    figure, axes = plt.subplots(rows, columns, figsize=(6.4 * columns, 4.4 * rows), squeeze=False)
+    figure, axes = plt.subplots(rows, columns, figsize=(6.4 * columns, 4.8 * rows), squeeze=False, layout="constrained")
     for axis in list(axes.flat)[len(plots):]:
         axis.set_axis_off()
     for axis, one in zip(axes.flat, plots):
         (draw_bars if "bars" in one else draw_curves)(axis, one)
-        axis.set(title=one["title"], xlabel=one["x"], ylabel=one["y"])
-        axis.legend(fontsize="small")
-    figure.tight_layout()
+        axis.set(title=textwrap.fill(one["title"], TITLE_WIDTH), xlabel=one["x"], ylabel=one["y"])
+        add_legend(axis, one)
     figure.savefig(file, metadata={"Date": None})
     plt.close(figure)
     print(f"bench: drew {file}")

@@ -46,7 +46,7 @@ void replay_spoiled(World& world, std::span<const StoredEvent> events, const Lan
     for (const StoredEvent& stored : events) {
         auto event = decode_event(stored.bytes);
         TROCHOID_ASSERT(event.has_value(), "the log that was just written: {}", event.error().message);
-        Derived derived = derive(*world.state(), *event, settings);
+        Derived derived = derive(world.state(), *event, settings);
         if (auto* started = std::get_if<BoxStarted>(&event->what)) {
             spoil_record(started->box);
             for (TracedLand& land : derived.lands) spoil_land(land);

@@ -11,7 +11,7 @@ FoldedScene fold_scene(const std::filesystem::path& file, uint32_t threads, bool
     Scene scene = load_scene(file);
     if (coarse_land) ++scene.land.node_step_log2;
     StillServer server(scene, threads);
-    FoldedScene folded{server.state(), scene.clock_start, {}, 0};
+    FoldedScene folded{server.state(), scene.clock_start, {}, nullptr, 0};
     if (fault_in("world") || fault_in("land")) {
         const auto spoilt = server.follower();
         replay_spoiled(*spoilt, server.events(), server.land());
@@ -20,6 +20,7 @@ FoldedScene fold_scene(const std::filesystem::path& file, uint32_t threads, bool
     const auto script = live_script(scene.name, scene.clock_start);
     if (script.empty()) return folded;
     folded.live = server.play(script);
+    folded.lived = server.state();
     const auto follower = server.follower();
     const auto followed = replay(*follower, server.events(), server.land());
     TROCHOID_ASSERT(followed.has_value(), "the log that was just written: {}", followed.error().message);

@@ -11,7 +11,8 @@ namespace trochoid {
 struct FoldedScene {
     std::shared_ptr<const WorldState> state;
     SeaTime opens;
-    std::vector<LiveStep> live;  ///< empty for a scene without commands
+    std::vector<LiveStep> live;               ///< empty for a scene without commands
+    std::shared_ptr<const WorldState> lived;  ///< after the last command; null without commands
     /// hash_of the world that a second server has, which heard of nothing but the log's bytes; 0 without commands.
     uint64_t followed = 0;
 };

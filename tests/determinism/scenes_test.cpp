@@ -172,7 +172,17 @@ TEST(ShippedScenes, StormAndShipsMove) {
     size_t wakes = 0;
     for (const auto& [id, box] : ships.state->boxes)
         wakes += box->sea->record.wake.inverse_length != 0 ? 1U : 0U;
-    EXPECT_EQ(wakes, 5U);  // five courses of three ships: the stop is none
+    EXPECT_EQ(wakes, 5U);  // five courses of three ships
+    // The launch has stopped by a minute after the opening, and lies there since; her hull is the scene's.
+    const auto lies =
+        std::find_if(ships.state->boxes.begin(), ships.state->boxes.end(), [](const auto& entry) {
+            const WaveTrainBox& box = entry.second->sea->record;
+            return has_hull(box.hull) && !has_wake(box.wake);
+        });
+    ASSERT_NE(lies, ships.state->boxes.end());
+    EXPECT_EQ(lies->second->name, "launch");
+    EXPECT_EQ(lies->second->sea->record.hull, (Hull{14.0F, 2.0F}));
+    EXPECT_EQ(lies->second->sea->record.begin, SeaTime{45 * microseconds_per_second});
     // The freighter has sailed 300 s at 8 m/s: behind her the water is rougher than abeam, outside the wedge.
     const SeaInstant now(ships.state->sea, ships.opens);
     EXPECT_GT(roughness(now, metres(-150, 300), 60), 1.1 * roughness(now, metres(-150, 2000), 60));

@@ -223,16 +223,17 @@ void trace_displacement(Trace& trace, const std::string& stage, const Sea& sea,
 void trace_live_log(Trace& trace, const FoldedScene& scene) {
     trace.begin_stage("live-log");
     for (size_t i = 0; i < scene.live.size(); ++i) {
-        const auto& [reply, after] = scene.live[i];
+        const LiveStep& step = scene.live[i];
+        const CommandReply& reply = step.reply;
         trace.at(fmt::format("command {}", i), reply.effective);
         trace.u32("code", static_cast<uint32_t>(reply.code));
         trace.u32("box", reply.box.value);
-        trace.u64("log_position", after->log_position.value);
-        trace.u64("log_hash", after->log_hash);
-        trace.u64("world", hash_of(*after));
+        trace.u64("log_position", step.log_position.value);
+        trace.u64("log_hash", step.log_hash);
+        trace.u64("world", step.world_hash);
     }
     trace.u64("followed", scene.followed);
-    if (scene.followed != hash_of(*scene.live.back().after))
+    if (scene.followed != hash_of(*scene.lived))
         trace.disagree("followed", "replaying the log's bytes gives another world than the authority's");
 }
 
@@ -259,8 +260,7 @@ void trace_stages(Trace& trace, const FoldedScene& scene, uint32_t threads) {
         for (const LiveStep& step : scene.live)
             if (step.reply.code == ErrorCode::none) ticks.push_back(step.reply.effective + after_command);
         trace_live_log(trace, scene);
-        trace_state(trace, "live-", *scene.live.back().after, ticks, std::array{ticks[0], ticks.back()},
-                    threads);
+        trace_state(trace, "live-", *scene.lived, ticks, std::array{ticks[0], ticks.back()}, threads);
     }
     trace.finish();
 }

@@ -52,7 +52,8 @@ void StillServer::next(std::span<const LiveCommand> script, std::vector<LiveStep
         aim(command, box);
     }
     authority_.command(command, [this, script, &steps](CommandReply reply) {
-        steps.push_back({std::move(reply), authority_.state()});
+        const auto after = authority_.state();
+        steps.push_back({std::move(reply), after->log_position, after->log_hash, hash_of(*after)});
         loop_.post([this, script, &steps] { next(script, steps); });
     });
 }

@@ -18,10 +18,12 @@ struct LiveCommand {
         -1;  ///< Steer and StopWind: the box in the reply to this command of the script; below 0: as the command says
 };
 
-/// What the authority made of a command.
+/// What the authority made of a command, and the world after it: of its state no more than that, for each holds all land of its time.
 struct LiveStep {
     CommandReply reply;
-    std::shared_ptr<const WorldState> after;
+    LogPosition log_position;
+    uint64_t log_hash = 0;
+    uint64_t world_hash = 0;  ///< hash_of
 };
 
 /// The server's own world, log, land worker and authority over a scene, without sessions. Its sea time stands still at the scene's start,

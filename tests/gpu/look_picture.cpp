@@ -1,6 +1,6 @@
 // Draws a fixture's sea in a chosen weather at a chosen hour to a PNG file, and the time of each pass:
 // look_picture FILE [sea=calm|breeze|gale|storm] [at=X,Z,ALTITUDE,YAW,PITCH] [hour=H] [size=WxH] [frames=N] [step=SECONDS]
-//              [far=combined|spectrum|texture] [quality=low|medium|high] [mesher=NAME] [land=0] [spray=0] [foam=0]
+//              [far=combined|spectrum|texture] [quality=low|medium|high] [mesher=NAME] [land=0] [spray=0] [foam=0] [lean=1]
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -37,6 +37,7 @@ DrawOptions options_of(std::map<std::string, std::string>& values) {
     options.foam_history = values["foam"] != "0";
     options.spray = values["spray"] != "0";
     options.wireframe = values["wireframe"] == "1";
+    options.lean = values["lean"] == "1";
     return options;
 }
 

@@ -4,7 +4,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <map>
 #include <memory>
 #include <set>
 
@@ -13,6 +15,7 @@
 #include "client/gpu/offscreen_context.hpp"
 #include "client/gpu/render_target.hpp"
 #include "client/gpu/renderer.hpp"
+#include "protocol/model/displayed.hpp"
 #include "protocol/model/sea.hpp"
 #include "tests/gpu/fixture_sea.hpp"
 #include "tests/gpu/sea_probe.hpp"
@@ -405,6 +408,77 @@ TEST_F(Coherent, the_sea_at_its_corners_is_the_cpus) {
     EXPECT_GT(moved, 500U);
 }
 
+using Place = std::pair<int32_t, int32_t>;
+using Places = std::array<Place, 3>;
+
+Places places_of(const Probe& probe, size_t first) {
+    Places places;
+    for (size_t k = 0; k < 3; ++k) places[k] = {probe.vertices[first + k].x, probe.vertices[first + k].z};
+    return places;
+}
+
+/// Metres from the camera, as emit_surface places a vertex.
+glm::vec3 shown_at(const CameraFrame& frame, const Probe& probe, const ProbedVertex& v) {
+    glm::vec3 p = metres_from_camera(frame, {probe.anchor.x + v.x, probe.anchor.z + v.z}, double{v.shift[1]});
+    p -= glm::vec3(v.shift[0], 0.0F, v.shift[2]);
+    p.y -= (p.x * p.x + p.z * p.z) * static_cast<float>(0.5 / earth_radius);
+    return p;
+}
+
+/// Row A10: the mesh is all around, its waves are summed up in view only. What is left out would not have been seen, and what is drawn
+/// is the same to the bit.
+TEST_F(Coherent, sums_waves_only_where_they_may_be_in_view) {
+    FixtureSource source(TerrainGrid{});
+    WaveTrainBox high;
+    high.id = {9};
+    high.first_train = {900};
+    high.begin = {-sea_time_bound};
+    high.trains = {deep_train(90.0, 0.3, 2.5F, 1.0F, 0), deep_train(60.0, 2.0, 1.5F, 1.0F, 77)};
+    source.add_box(high);
+    DrawOptions options;
+    options.mesher = MesherKind::coherent;
+    options.error_px = 12.0F;  // probe_sea's
+    const SeaTime now{5'000'000};
+    for (const Refinement refinement : {Refinement::distance, Refinement::screen})
+        for (const Camera& camera : {camera_at(12.5, -7.25, 4, 0.7, -0.1), camera_at(0, 0, 60, 2.2, -0.9)}) {
+            SCOPED_TRACE(name_of(refinement));
+            options.refinement = refinement;
+            const Probe all = probe_sea(source.state(), now, camera, options);
+            const Probe seen = probe_view(source.state(), now, camera, options);
+            target_->bind();
+            std::map<Places, std::array<float, 6>> drawn;
+            for (size_t i = 0; i < seen.vertices.size(); i += 3) {
+                const ProbedVertex& v = seen.vertices[i];
+                drawn[places_of(seen, i)] = {v.shift[0],  v.shift[1],  v.shift[2],
+                                             v.normal[0], v.normal[1], v.normal[2]};
+            }
+            EXPECT_LT(seen.vertices.size(), all.vertices.size() / 2) << "little is left out";
+            const CameraFrame frame = frame_of(camera, DepthRange::classic);
+            const FrustumPlanes planes = planes_of(frame, DepthRange::classic);
+            size_t in_view = 0;
+            for (size_t i = 0; i < all.vertices.size(); i += 3) {
+                const auto found = drawn.find(places_of(all, i));
+                const ProbedVertex& v = all.vertices[i];
+                bool corner_in_view = false;
+                for (size_t k = 0; k < 3; ++k) {
+                    const glm::vec3 p = shown_at(frame, all, all.vertices[i + k]);
+                    corner_in_view = corner_in_view || may_see(planes, {p, p});
+                }
+                if (corner_in_view) {
+                    ++in_view;
+                    ASSERT_NE(found, drawn.end()) << "in view, but left out";
+                }
+                if (found == drawn.end()) continue;
+                const std::array<float, 6> whole{v.shift[0],  v.shift[1],  v.shift[2],
+                                                 v.normal[0], v.normal[1], v.normal[2]};
+                ASSERT_EQ(found->second, whole);
+            }
+            EXPECT_GT(in_view, 1'000U);
+            fmt::print("{}: {} triangles, {} listed, {} with a corner in view\n", name_of(refinement),
+                       all.vertices.size() / 3, drawn.size(), in_view);
+        }
+}
+
 Picture picture_of(const Camera& camera, FixtureSource& source, const DrawOptions& options) {
     ViewState view = view_of(camera, glm::dvec3(0));
     view.accepted_error_px = options.error_px;
@@ -438,6 +512,28 @@ TEST_F(Coherent, no_background_shows_through_by_any_criterion) {
                 if (picture.rgb[i] > 250 && picture.rgb[i + 1] < 5 && picture.rgb[i + 2] > 250) ++magenta;
             EXPECT_EQ(magenta, 0U) << name_of(mesher) << " by " << name_of(refinement);
         }
+}
+
+/// A target may go between two pictures, as where the window is resized: the mesh is made all the same.
+TEST_F(Coherent, another_target_shows_the_same) {
+    Camera camera = small(camera_at(10, 20, 30, 0.4, -0.5));
+    FixtureSource source(TerrainGrid{});
+    source.set_view(view_of(camera, glm::dvec3(0)));
+    DrawOptions options;
+    options.mesher = MesherKind::coherent;
+    options.sky = options.far_sea = options.land = options.spray = options.foam_history = false;
+    Renderer renderer;
+    const auto picture = [&] {
+        const RenderTarget target(camera.width, camera.height, 1);
+        renderer.draw(target, source.snapshot(), camera, camera, options);
+        return target.read();
+    };
+    picture();
+    camera.yaw += 0.5;
+    const Picture turned = picture();
+    EXPECT_EQ(glGetError(), static_cast<GLenum>(GL_NO_ERROR));
+    EXPECT_TRUE(turned == picture_of(camera, source, options));
+    target_->bind();
 }
 
 /// Row D9: land by the coherent mesh is land as its tiles show it.

@@ -127,6 +127,22 @@ TEST_P(EveryMesher, shares_inner_edges_and_the_bits_of_shared_places) {
     }
 }
 
+/// The filter by direction, whatever way cells lie on the lattice.
+TEST_F(Cracks, the_projected_grid_shares_bits_in_every_direction) {
+    DrawOptions options;
+    options.mesher = MesherKind::projected;
+    options.projected_rows = 120;
+    options.projected_columns = 90;
+    for (const double yaw : {0.2, 0.785398, 1.570796, 2.5, 3.9, 5.4})
+        for (const double pitch : {-0.02, -0.5, -1.5}) {
+            Camera camera = probing(standing_at(-777.7, 1'234.5, 8, yaw, pitch));
+            const auto source = open_sea(camera, false, options);
+            const Probe probe = probe_view(source->state(), SeaTime{1'000'000}, camera, options);
+            EXPECT_GT(probe.vertices.size(), 10'000U);
+            EXPECT_EQ(places_with_different_bits(probe), 0U) << "yaw " << yaw << " pitch " << pitch;
+        }
+}
+
 /// Shows that the test above can fail: two levels apart is more than the edges agree about.
 TEST_F(Cracks, neighbours_two_levels_apart_would_be_seen) {
     InterestState state;

@@ -10,6 +10,7 @@
 #include "client/gpu/offscreen_context.hpp"
 #include "client/gpu/renderer.hpp"
 #include "client/scene/presets.hpp"
+#include "tests/gpu/foam_coverage.hpp"
 #include "tests/gpu/weather_sea.hpp"
 
 namespace trochoid {
@@ -212,6 +213,68 @@ TEST_F(Look, foam_stays_behind_the_crest_and_fades) {
     for (int i = 0; i < 20; ++i)
         late = white_share(scene.draw(camera, options, 74'000'000 + i * 2'000'000), 20, 120);
     EXPECT_GT(soon, late + 0.005);
+}
+
+TEST_F(Look, foam_covers_what_the_wind_says) {
+    for (const double wind : {5.0, 8.0, 12.0, 17.0, 25.0}) {
+        FoamCoverage coverage(wind);
+        ASSERT_NEAR(coverage.wind_m_s(), wind, 0.05 * wind);
+        const double law = monahan_share(wind);
+        // Near is the map's foam, far the noise's.
+        const double near = coverage.mean(170, 4, 4.0);
+        EXPECT_GT(near, 0.5 * law) << wind;
+        EXPECT_LT(near, 2.0 * law) << wind;
+        // Less than 0.2 % of a pixel is not drawn.
+        if (wind < 8.0) continue;
+        const double far = coverage.mean(1500, 1, 0.2);
+        EXPECT_GT(far, 0.5 * law) << wind;
+        EXPECT_LT(far, 2.0 * law) << wind;
+    }
+}
+
+TEST_F(Look, foam_is_no_flat_white) {
+    FoamCoverage storm(22.0);
+    for (const double side : {24.0, 120.0}) {
+        const FoamCoverage::Look look = storm.look(side, 13.0);
+        std::vector<double> greens;
+        double part = 0;
+        for (size_t i = 0; i < look.share.size(); ++i) {
+            if (look.share[i] > 0.5) greens.push_back(look.colours.rgb[3 * i + 1]);
+            if (look.share[i] > 0.1 && look.share[i] < 0.7)
+                part += 1.0 / static_cast<double>(look.share.size());
+        }
+        ASSERT_GT(greens.size(), size_t{1000}) << side;
+        double mean = 0;
+        for (const double g : greens) mean += g / static_cast<double>(greens.size());
+        double squares = 0;
+        for (const double g : greens) squares += (g - mean) * (g - mean) / static_cast<double>(greens.size());
+        EXPECT_GT(std::sqrt(squares), 10.0) << side << " m: where there is foam it has lumps and hollows";
+        EXPECT_GT(part, 0.02) << side << " m: and films";
+        std::sort(greens.begin(), greens.end());
+        EXPECT_GT(greens[greens.size() * 19 / 20], greens[greens.size() / 20] + 30) << "new foam and old";
+    }
+}
+
+TEST_F(Look, dusk_is_orange_at_the_sun_and_blue_across) {
+    for (const double hour : {19.2, 19.7, 20.2}) {
+        const SkyModel dusk(hour);
+        const glm::vec3 sun = dusk.light().true_sun;
+        const glm::vec2 towards = glm::normalize(glm::vec2(sun.x, sun.z));
+        const auto radiance = [&](float side, float rise) {
+            const float level = std::sqrt(1.0F - rise * rise);
+            return dusk.radiance({side * towards.x * level, rise, side * towards.y * level});
+        };
+        const glm::vec3 strip = radiance(1, 0.01F);
+        EXPECT_GT(strip.r, strip.g) << hour;
+        EXPECT_GT(strip.g, 0.9F * strip.b) << hour << ": orange, not pink";
+        const glm::vec3 zenith = radiance(1, 0.98F);
+        EXPECT_GT(zenith.b, 1.2F * zenith.g) << hour;
+        EXPECT_GT(zenith.g, zenith.r) << hour << ": blue, not purple";
+        const glm::vec3 across = radiance(-1, 0.3F);
+        EXPECT_GT(across.b, across.r) << hour;
+        EXPECT_GT(across.g, 0.9F * across.r) << hour;
+        EXPECT_LT(dusk.light().ambient.r, dusk.light().ambient.g) << hour;
+    }
 }
 
 TEST_F(Look, the_same_sea_times_give_the_same_picture) {

@@ -58,6 +58,7 @@ public:
         report_ = renderer_.draw(target_, source_.snapshot(), camera, camera, options);
         return target_.read();
     }
+    void add_box(const WaveTrainBox& box) { source_.add_box(box); }
     const FrameReport& report() const { return report_; }
 
 private:
@@ -116,6 +117,36 @@ TEST_F(Ships, lies_where_the_wake_begins) {
     const Found later =
         difference_of(scene.draw(without_foam(true), 50.0), scene.draw(without_foam(false), 50.0));
     EXPECT_NEAR(later.left - found.left, 80.0 / 150.0 * focal, 5);
+}
+
+TEST_F(Ships, one_that_has_stopped_is_drawn_where_she_lies) {
+    Scene scene;
+    WaveTrainBox course;
+    {
+        StartShip ship;
+        ship.towards_degrees = 90;
+        ship.speed = 8;
+        ship.length = 60;
+        NewIds ids;
+        ids.box = {71};
+        ids.first_train = {7'100};
+        course = box_of(ship, start, ids).value();
+        course.hull = {60.0F, 9.0F};
+        // She stops 40 m east, right ahead of the camera.
+        course.end = {start.us + 5'000'000};
+        ids.box = {72};
+        ids.first_train = {7'200};
+        scene.add_box(course);
+        scene.add_box(lying_box(course, course.end, ids));
+    }
+    const double half = 30.0 / 150.0 * 0.5 * height / std::tan(0.45);
+    for (const double seconds : {100.0, 900.0}) {
+        const Found found =
+            difference_of(scene.draw(without_foam(true), seconds), scene.draw(without_foam(false), seconds));
+        EXPECT_NEAR(found.left, width / 2.0 - half, 4) << seconds;
+        EXPECT_NEAR(found.right, width / 2.0 + half, 4) << seconds;
+        EXPECT_GT(found.pixels, 200) << seconds;
+    }
 }
 
 TEST_F(Ships, are_gone_before_their_course_and_switched_off) {

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 #include <png.h>
 
+#include <chrono>
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
@@ -276,15 +277,51 @@ public:
 
 TEST(ViewerTime, waits_for_a_time_to_come_and_says_so) {
     ViewerOptions options = small_run();
-    options.at_s = 500.0;
+    options.at_s = 70.0;
     options.patience_s = 1.2;
     UnknownFuture source(TerrainGrid{});
     try {
         run_viewer(source, options, [] { return false; });
         FAIL() << "it drew a sea that nobody knows yet";
     } catch (const OperatorError& error) {
-        EXPECT_NE(std::string(error.what()).find("440.0 s ahead"), std::string::npos) << error.what();
+        EXPECT_NE(std::string(error.what()).find("10.0 s ahead"), std::string::npos) << error.what();
     }
+}
+
+/// Sea time runs at most 16 times as fast as real time.
+TEST(ViewerTime, refuses_at_once_what_no_patience_sees) {
+    ViewerOptions options = small_run();
+    options.at_s = 1e12;
+    options.patience_s = 60;
+    UnknownFuture source(TerrainGrid{});
+    const auto start = std::chrono::steady_clock::now();
+    try {
+        run_viewer(source, options, [] { return false; });
+        FAIL() << "it drew a sea that never comes";
+    } catch (const OperatorError& error) {
+        const std::string said = error.what();
+        EXPECT_NE(said.find("the sea is at 60.000 s"), std::string::npos) << said;
+        EXPECT_NE(said.find("to 1020.000 s at most"), std::string::npos) << said;
+    }
+    EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(30));
+}
+
+/// Between the lines there is no water: neither patches nor the far sea below them.
+TEST(Viewer, a_wireframe_is_seen) {
+    ViewerOptions options = small_run();
+    options.camera.yaw = 0.0;
+    options.at_s = 60.0;
+    options.second_picture.clear();
+    const auto light = [&](bool wireframe) {
+        options.draw.wireframe = wireframe;
+        TickingFixture source(TerrainGrid{});
+        run_viewer(source, options, [] { return false; });
+        return mean_of(read_png(options.picture), 0.1, 0.7, 0.9, 0.95);
+    };
+    const Mean water = light(false);
+    const Mean lines = light(true);
+    EXPECT_GT(lines.spread, water.spread + 15);
+    EXPECT_GT(lines.red, water.red + 30);
 }
 
 /// A server that goes away after some looks.

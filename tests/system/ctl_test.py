@@ -99,7 +99,19 @@ class Ctl(ProgramTest):
         listed = {b["box"]: b for b in self.server.ctl_json("list")["boxes"]}
         self.assertAlmostEqual(listed[second]["vz_m_s"], 6, delta=0.01)
         self.assertEqual(listed[first]["stage"], "decaying")
-        self.assert_ends(self.server.ctl("stop", second), 0, "the decay starts", stream="stdout")
+        lying = self.server.ctl_json("steer", second, "--towards", 0, "--speed", 0)["box"]
+        time.sleep(1.5)
+        places = []
+        for _ in range(2):
+            ship = {b["box"]: b for b in self.server.ctl_json("list")["boxes"]}[lying]
+            places.append((ship["x_m"], ship["z_m"]))
+            self.assertEqual((ship["kind"], ship["name"], ship["stage"], ship["length_m"]), ("ship", "ferry", "lying", 100))
+            self.assertEqual((ship["vx_m_s"], ship["vz_m_s"], ship["towards_degrees"]), (0, 0, 180))
+            time.sleep(0.5)
+        self.assertEqual(*places)
+        self.assert_ends(self.server.ctl("steer", lying, "--towards", 0, "--speed", 0), 1, "605", "lies still already")
+        last = self.server.ctl_json("steer", lying, "--towards", 45, "--speed", 7)["box"]
+        self.assert_ends(self.server.ctl("stop", last), 0, "the decay starts", stream="stdout")
 
     def test_a_storm_moves_and_turns(self):
         started = self.server.ctl_json(*WIND, "--trains", 32, "--directions", 4, "--spectrum", "jonswap", "--spreading",

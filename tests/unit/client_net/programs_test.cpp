@@ -241,7 +241,9 @@ TEST(CtlReport, an_empty_list_and_a_deferral_are_said) {
         return report(reply, action, {-sea_time_bound}, false);
     };
     EXPECT_EQ(said(SetRate{1U << 15}), "rate 0.5 from sea time 2.500 s (00:00:02.500) on\n");
-    EXPECT_EQ(said(Steer{}), "box 4: the new course holds from sea time 2.500 s (00:00:02.500) on\n");
+    EXPECT_EQ(said(Steer{{4}, 0.0F, 5.0F}),
+              "box 4: the new course holds from sea time 2.500 s (00:00:02.500) on\n");
+    EXPECT_EQ(said(Steer{}), "box 4: lies still from sea time 2.500 s (00:00:02.500) on\n");
     EXPECT_EQ(said(StartShip{}), "box 4: the ship starts at sea time 2.500 s (00:00:02.500)\n");
     EXPECT_EQ(said(ChangeLand{}), "the land changes at sea time 2.500 s (00:00:02.500)\n");
     EXPECT_NE(report(reply, Steer{}, {0}, true).find("\"box\": 4"), std::string::npos);
@@ -262,11 +264,20 @@ TEST(CtlReport, moving_boxes_are_listed_with_place_and_course) {
     const BoxList list{1, {5'000'000}, {ship, swell}, true};
     const std::string table = report(list, false);
     EXPECT_NE(table.find("KIND"), std::string::npos);
-    EXPECT_NE(table.find("-2000  1000        5.0    217°\n"), std::string::npos) << table;
-    EXPECT_NE(table.find("    0     0          -       -\n"), std::string::npos) << table;
+    EXPECT_NE(table.find("-2000  1000        5.0    217°       -\n"), std::string::npos) << table;
+    EXPECT_NE(table.find("    0     0          -       -       -\n"), std::string::npos) << table;
     const std::string json = report(list, true);
     for (const char* part : {"\"kind\": \"ship\"", "\"x_m\": -2000.0", "\"z_m\": 1000.5", "\"vz_m_s\": 4.0"})
         EXPECT_NE(json.find(part), std::string::npos) << part;
+    BoxSummary lying = ship;
+    lying.vx = lying.vz = 0.0F;
+    lying.gain_now = 1.0F;
+    lying.end = end_of_time;
+    lying.hull = {140.0F, 21.0F};
+    EXPECT_STREQ(stage_of(lying, {1}), "lying");
+    const BoxList stopped{1, {}, {lying}, true};
+    EXPECT_NE(report(stopped, false).find("140 x 21.0\n"), std::string::npos) << report(stopped, false);
+    EXPECT_NE(report(stopped, true).find("\"length_m\": 140.0"), std::string::npos);
     BoxSummary north = ship;
     north.vx = 0.0F;
     north.vz = -1.0F;

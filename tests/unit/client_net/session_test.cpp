@@ -244,6 +244,35 @@ TEST_F(SessionTest, a_goodbye_without_retry_is_the_end) {
     EXPECT_FALSE(server.accept(milliseconds(1200)));
 }
 
+// Land that needs more look-up than this client has: nobody has broken the protocol, and trying again would come to the same.
+TEST_F(SessionTest, a_limit_of_our_own_is_not_blamed_on_the_server) {
+    OceanSession session(options_for(server));
+    const auto hello = server.log_in();
+    ASSERT_TRUE(hello);
+    Delta far = empty_result(1, hello->regions);
+    InterestState state;
+    for (uint32_t field = 1; field <= 5; ++field)
+        for (const int32_t place : {0, 2047}) {
+            auto block = std::make_shared<LandBlock>();
+            block->key = {place, place};
+            block->gain.fill(unit_node_gain / 2);
+            far.change.blocks.push_back({{field}, 15, block, hash_of(*block)});
+        }
+    apply(state, far.change);
+    far.state_hash = hash_of(state);
+    server.send(far);
+    const auto goodbye = server.wait_for<Goodbye>();
+    ASSERT_TRUE(goodbye);
+    EXPECT_EQ(goodbye->code, ErrorCode::too_much_land);
+    EXPECT_EQ(goodbye->requirement, 0U);
+    server.hang_up();
+    ASSERT_TRUE(reaches(session, LinkState::ended));
+    const std::string sentence = session.statistics().sentence;
+    EXPECT_NE(sentence.find("a limit of this client"), std::string::npos) << sentence;
+    EXPECT_EQ(sentence.find("broke the protocol"), std::string::npos) << sentence;
+    EXPECT_FALSE(server.accept(milliseconds(1200))) << "it would come to the same again";
+}
+
 TEST_F(SessionTest, a_goodbye_with_retry_is_heeded) {
     OceanSession session(options_for(server));
     ASSERT_TRUE(server.log_in());

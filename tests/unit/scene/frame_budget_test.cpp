@@ -85,6 +85,7 @@ TEST_P(Reach, comes_within_a_tenth_and_stays) {
     DrawOptions least = wanted_options();
     least.error_px *= static_cast<float>(FrameBudget::coarsest_factor);
     least.samples = 1;
+    least.lean = true;
     least.render_scale = 0.5F;
     least.spray = least.foam_history = false;
     least.layers = Layers{}.with(Layer::trains);
@@ -131,6 +132,19 @@ TEST(FrameBudget, takes_the_mesh_first_and_layers_by_reverse_importance) {
     EXPECT_EQ(order.front(), Sacrifice::samples);
     EXPECT_EQ(order.back(), Sacrifice::shelter);
     EXPECT_EQ(sacrifices_of(wanted_options()), order);
+}
+
+/// A lean picture has nothing of it left to give; what is left is refined by what it looks like.
+TEST(FrameBudget, a_lean_picture_is_given_once) {
+    DrawOptions wanted = wanted_options();
+    EXPECT_EQ(refinement_in_force(wanted), Refinement::distance);
+    EXPECT_EQ(sacrifices_of(wanted)[1], Sacrifice::full_detail);
+    wanted.lean = true;
+    EXPECT_EQ(refinement_in_force(wanted), Refinement::screen);
+    const auto left = sacrifices_of(wanted);
+    EXPECT_EQ(std::count(left.begin(), left.end(), Sacrifice::full_detail), 0);
+    wanted.refinement = Refinement::frustum;
+    EXPECT_EQ(refinement_in_force(wanted), Refinement::frustum) << "what was asked for by name stays";
 }
 
 TEST(FrameBudget, says_so_where_a_target_cannot_be_reached) {
@@ -216,9 +230,9 @@ TEST(FrameBudget, does_not_give_up_what_the_sea_has_not) {
     const DrawOptions wanted = wanted_options();
     for (int i = 0; i < 600; ++i) budget.add(20, wanted, present);
     EXPECT_EQ(budget.report().verdict, BudgetVerdict::exhausted);
-    const std::vector<Sacrifice> expected{Sacrifice::samples,      Sacrifice::spray,
-                                          Sacrifice::foam_history, Sacrifice::noise,
-                                          Sacrifice::resolution,   Sacrifice::half_resolution};
+    const std::vector<Sacrifice> expected{
+        Sacrifice::samples, Sacrifice::full_detail, Sacrifice::spray,          Sacrifice::foam_history,
+        Sacrifice::noise,   Sacrifice::resolution,  Sacrifice::half_resolution};
     EXPECT_EQ(budget.report().given_up, expected);
     // Ships have come: their wakes go in their turn.
     for (int i = 0; i < 600; ++i) budget.add(20, wanted, present.with(Layer::wakes));

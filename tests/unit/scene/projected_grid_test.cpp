@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <glm/geometric.hpp>
 #include <random>
 
 #include "protocol/model/displayed.hpp"
@@ -51,6 +52,11 @@ bool holds(const ProjectedGrid& grid, double ahead, double right) {
         if (std::abs(right) <= half_width + 1e-3) return true;
     }
     return false;
+}
+
+/// Metres between a row's vertices.
+float width_of(const ProjectedGrid& grid, size_t row) {
+    return 2.0F * grid.rows[row].half_width / static_cast<float>(grid.columns);
 }
 
 /// Whatever waves do within their bounds, water that comes into view is in the grid.
@@ -166,9 +172,66 @@ TEST(ProjectedGrid, follows_the_camera_without_jumps) {
             make_projected_grid(view_from(12 + 0.01 * i, -0.2 - 0.0005 * i), swell, shape, 1.0);
         ASSERT_EQ(grid.rows.size(), before.rows.size());
         for (size_t k = 0; k < grid.rows.size(); ++k)
-            ASSERT_NEAR(grid.rows[k].forward, before.rows[k].forward, 0.1F * grid.rows[k].spacing);
+            ASSERT_NEAR(grid.rows[k].forward, before.rows[k].forward,
+                        0.1F * std::max(grid.rows[k].along, width_of(grid, k)));
         before = grid;
     }
+}
+
+/// Where a vertex lies on the sea, m from the camera.
+glm::vec2 vertex_of(const ProjectedView& view, const ProjectedGrid& grid, size_t row, uint32_t column) {
+    const float side = static_cast<float>(2 * column) / static_cast<float>(grid.columns) - 1.0F;
+    return view.forward * grid.rows[row].forward + view.right * (side * grid.rows[row].half_width);
+}
+
+TEST(ProjectedGrid, steps_lead_to_the_next_vertices) {
+    ProjectedView view = view_from(15, -0.15);
+    view.forward = {0.6F, 0.8F};
+    view.right = {-0.8F, 0.6F};
+    const ProjectedGrid grid = make_projected_grid(view, swell, shape, 1.0);
+    for (size_t row = 1; row + 1 < grid.rows.size(); row += 7)
+        for (uint32_t column = 0; column < grid.columns; column += 11) {
+            const VertexSteps steps = steps_at(view, grid, row, column);
+            const glm::vec2 here = vertex_of(view, grid, row, column);
+            const glm::vec2 beside = vertex_of(view, grid, row, column + 1) - here;
+            const glm::vec2 on = vertex_of(view, grid, row + 1, column) - here;
+            const glm::vec2 back = here - vertex_of(view, grid, row - 1, column);
+            const glm::vec2 along = glm::length(on) > glm::length(back) ? on : back;
+            EXPECT_NEAR(glm::length(steps.across - beside), 0, 1e-3F * glm::length(beside));
+            // The farthest rows may lie where the width no longer grows evenly.
+            EXPECT_NEAR(glm::length(steps.along - along), 0, 2e-2F * glm::length(along)) << row;
+        }
+}
+
+TEST(ProjectedGrid, filters_a_wave_by_the_spacing_along_its_own_direction) {
+    const glm::vec2 ahead{0.28F, 0.96F};
+    const glm::vec2 aside{-0.96F, 0.28F};
+    constexpr float wavelength = 60.0F;
+    const auto spacing = [&](float along, float across, float turned, float least) {
+        const glm::vec2 k = (ahead * std::cos(turned) + aside * std::sin(turned)) * (6.2831853F / wavelength);
+        return wave_spacing({ahead * along, aside * across}, k, wavelength, least);
+    };
+    for (float turned = 0; turned < 6.3F; turned += 0.3F) {
+        EXPECT_NEAR(spacing(7, 7, turned, 1), 7, 1e-4) << "square cells, whatever the direction";
+        EXPECT_NEAR(spacing(300, 4, turned, 0), std::hypot(300 * std::cos(turned), 4 * std::sin(turned)),
+                    1e-2);
+    }
+    EXPECT_NEAR(spacing(300, 4, 1.5707963F, 1), 4, 1e-3) << "across long cells";
+    EXPECT_NEAR(spacing(300, 4, 0, 1), 300, 1e-2) << "along them";
+    EXPECT_NEAR(spacing(300, 4, 1.5707963F, 9), 9, 1e-6) << "no finer than what the server sends";
+}
+
+/// Near the water crests hide troughs: rows go where waves stand up, and none where the sea is calm.
+TEST(ProjectedGrid, waves_draw_rows_to_the_distance_where_they_stand_up) {
+    const auto far_rows = [](double altitude, const WaveBounds& waves) {
+        const ProjectedGrid grid = make_projected_grid(view_from(altitude, -0.1), waves, shape, 1.0);
+        return std::count_if(grid.rows.begin(), grid.rows.end(), [](const ProjectedRow& row) {
+            return row.forward > 300 && row.forward < 3'000;
+        });
+    };
+    constexpr WaveBounds calm{0.05F, 0.05F};
+    EXPECT_GT(2 * far_rows(3, swell), 3 * far_rows(3, calm));
+    EXPECT_LT(far_rows(400, swell), far_rows(400, calm) * 11 / 10);
 }
 
 TEST(ProjectedGrid, takes_its_shape_from_the_options_or_the_wanted_angle) {

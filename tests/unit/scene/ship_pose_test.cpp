@@ -15,6 +15,7 @@ namespace {
 
 constexpr double two_pi = 6.283185307179586;
 constexpr SeaTime start{1'000'000'000};
+Workers one_core{1};
 
 SeaTime after(double seconds) { return {start.us + static_cast<int64_t>(seconds * 1e6)}; }
 
@@ -71,7 +72,7 @@ Ship ship_at(LatticePoint place) {
 }
 
 TEST(ShipPose, still_water_leaves_a_ship_level) {
-    EXPECT_EQ(pose_of(ship_at({}), SeaInstant(Sea{}, start)), ShipPose{});
+    EXPECT_EQ(pose_of(ship_at({}), SeaInstant(Sea{}, start), one_core), ShipPose{});
     // Her own wake does not move her either.
     SceneInput input;
     input.state = sea_of({ship_box(3, {}, 90, 8, 100)});
@@ -88,7 +89,7 @@ TEST(ShipPose, a_long_wave_carries_her_as_the_water_itself) {
     for (int i = 0; i < 24; ++i) {
         const LatticePoint place{to_lattice(100.0 * i), to_lattice(57.0 * i)};
         const SeaInstant water = instant_with(box, after(3.0 * i));
-        const ShipPose pose = pose_of(ship_at(place), water);
+        const ShipPose pose = pose_of(ship_at(place), water, one_core);
         const WaterPoint here = water_at(water, place);
         highest = std::max(highest, pose.heave);
         EXPECT_NEAR(pose.heave, static_cast<double>(here.height), 0.02 * 3.0) << i;
@@ -97,7 +98,7 @@ TEST(ShipPose, a_long_wave_carries_her_as_the_water_itself) {
         // Beam on, the same slope makes her roll: heading north, the east is to starboard.
         Ship north = ship_at(place);
         north.heading = {0, -1};
-        EXPECT_NEAR(pose_of(north, water).roll, pose.pitch, 0.03 * 3.0 * two_pi / 2'400) << i;
+        EXPECT_NEAR(pose_of(north, water, one_core).roll, pose.pitch, 0.03 * 3.0 * two_pi / 2'400) << i;
     }
     EXPECT_GT(highest, 2.5);
 }
@@ -105,7 +106,7 @@ TEST(ShipPose, a_long_wave_carries_her_as_the_water_itself) {
 TEST(ShipPose, short_waves_average_out) {
     const WaveTrainBox box = wave_box(1, 20, 0.3F);
     for (int i = 0; i < 40; ++i) {
-        const ShipPose pose = pose_of(ship_at({to_lattice(1.7 * i), 0}), instant_with(box, start));
+        const ShipPose pose = pose_of(ship_at({to_lattice(1.7 * i), 0}), instant_with(box, start), one_core);
         EXPECT_LT(std::abs(pose.heave), 0.15 * 0.3) << i;
         EXPECT_LT(std::abs(pose.pitch), 0.1 * 0.3 * two_pi / 20) << i;
     }
@@ -133,8 +134,8 @@ TEST(ShipPose, far_from_the_origin_she_lies_the_same_to_the_bit) {
     const LatticePoint here{to_lattice(12.375), to_lattice(-7.5)};
     const LatticePoint far{here.x + (int64_t{1} << 34), here.z - (int64_t{1} << 34)};
     const SeaInstant water = instant_with(wave_box(1, 170, 2.0F), start);
-    const ShipPose pose = pose_of(ship_at(here), water);
-    EXPECT_EQ(pose_of(ship_at(far), water), pose);
+    const ShipPose pose = pose_of(ship_at(here), water, one_core);
+    EXPECT_EQ(pose_of(ship_at(far), water, one_core), pose);
     EXPECT_NE(pose.pitch, 0.0);
 }
 
@@ -173,6 +174,77 @@ TEST(Ships, a_steered_ship_is_one_ship_and_turns) {
     EXPECT_LT(std::abs(to_metres(ships_of(*state, after(0))[0].place.x -
                                  ships_of(*state, after(-0.001))[0].place.x)),
               0.1);
+}
+
+/// A ship that has stopped: the course before, and the box in which she lies.
+std::shared_ptr<InterestState> stopped_ship() {
+    WaveTrainBox before = ship_box(3, {to_lattice(500), 0}, 60, 8, 100);
+    before.hull = {140.0F, 21.0F};
+    before.end = after(100);
+    NewIds ids;
+    ids.box = {4};
+    ids.first_train = {400};
+    return sea_of({wave_box(1, 150, 1.5F), before, lying_box(before, before.end, ids)});
+}
+
+TEST(Ships, have_the_hull_that_their_boxes_tell) {
+    WaveTrainBox box = ship_box(3, {}, 90, 4, 110);
+    EXPECT_NE(ships_of(*sea_of({box}), after(1))[0].length, 110.0) << "the wake does not tell it";
+    box.hull = {110.0F, 11.5F};
+    EXPECT_EQ(ships_of(*sea_of({box}), after(1))[0].length, 110.0);
+    EXPECT_EQ(ships_of(*sea_of({box}), after(1))[0].beam, 11.5);
+}
+
+TEST(Ships, lie_where_they_stopped_and_sail_on_from_there) {
+    const auto state = stopped_ship();
+    const Ship sailing = ships_of(*state, after(99.999))[0];
+    for (const double t : {100.0, 101.0, 5000.0}) {
+        const auto ships = ships_of(*state, after(t));
+        ASSERT_EQ(ships.size(), 1U) << t;
+        EXPECT_LT(std::abs(to_metres(ships[0].place.x - sailing.place.x)), 0.05) << t;
+        EXPECT_LT(std::abs(to_metres(ships[0].place.z - sailing.place.z)), 0.05) << t;
+        EXPECT_NEAR(ships[0].heading.x, sailing.heading.x, 1e-9) << t;
+        EXPECT_NEAR(ships[0].heading.y, sailing.heading.y, 1e-9) << t;
+        EXPECT_EQ(ships[0].speed, 0.0);
+        EXPECT_EQ(ships[0].length, 140.0);
+        EXPECT_EQ(ships[0].beam, 21.0);
+    }
+    // She floats.
+    SceneInput input;
+    input.state = state;
+    input.now = after(200);
+    ShipWaters waters;
+    const auto first = waters.ships(input, camera_at({}));
+    ASSERT_EQ(first.size(), 1U);
+    input.now = after(203);
+    EXPECT_NE(waters.ships(input, camera_at({}))[0].pose.heave, first[0].pose.heave);
+    // And turns from the heading in which she lay, once she sails on.
+    WaveTrainBox lying = *state->boxes.at({4});
+    lying.end = after(300);
+    state->boxes[{4}] = std::make_shared<const WaveTrainBox>(lying);
+    WaveTrainBox next = ship_box(5, ship_place(lying, after(300)), 150, 8, 140);
+    next.hull = lying.hull;
+    next.course.front().from = next.begin = after(300);
+    state->boxes[{5}] = std::make_shared<const WaveTrainBox>(next);
+    const auto ships = ships_of(*state, after(300));
+    ASSERT_EQ(ships.size(), 1U);
+    EXPECT_EQ(ships[0].box, BoxId{5});
+    EXPECT_NEAR(ships[0].heading.x, sailing.heading.x, 1e-6);
+}
+
+TEST(ShipPose, the_sources_own_sea_gives_the_same) {
+    SceneInput input;
+    input.state = sea_of(
+        {wave_box(1, 150, 1.5F), ship_box(3, {}, 70, 8, 100), ship_box(4, {to_lattice(900), 0}, 200, 6, 14)});
+    input.now = after(77);
+    ShipWaters own;
+    const auto expected = own.ships(input, camera_at({}));
+    ASSERT_EQ(expected.size(), 2U);
+    std::vector<std::shared_ptr<const PreparedBox>> boxes;
+    for (const auto& [id, record] : input.state->boxes) boxes.push_back(prepare(*record, {}));
+    input.sea = Sea(std::move(boxes));
+    ShipWaters shared;
+    EXPECT_EQ(shared.ships(input, camera_at({})), expected);
 }
 
 TEST(Ships, the_wake_tells_the_size_of_a_planing_hull_and_the_slimness_of_any) {

@@ -66,7 +66,7 @@ TEST_F(RealServer, TooManyWaitingCommandsAreRefused) {
     std::vector<std::future<CommandReply>> replies;
     std::promise<void> posted;
     loop.post([&] {  // in one go, so that none is done in between
-        for (uint32_t i = 1; i <= SeaAuthority::most_waiting + 3; ++i) {
+        for (uint32_t i = 1; i <= LandQueue::most_waiting + 3; ++i) {
             auto promise = std::make_shared<std::promise<CommandReply>>();
             replies.push_back(promise->get_future());
             const Command c{i,
@@ -81,7 +81,7 @@ TEST_F(RealServer, TooManyWaitingCommandsAreRefused) {
     posted.get_future().get();
     EXPECT_EQ(replies[0].get().code, ErrorCode::none);
     EXPECT_EQ(replies[1].get().code, ErrorCode::unknown_box);
-    EXPECT_EQ(replies.back().get().code, ErrorCode::rate_limited);
+    EXPECT_EQ(replies.back().get().code, ErrorCode::queue_overflow);
 }
 
 // What a client evaluates from what it was told equals, bit by bit, what the server says of points in its region:

@@ -47,7 +47,7 @@ protected:
     void start(const std::shared_ptr<const TerrainGrid>& terrain, const Scene& scene) {
         SeaClock clock;
         clock.monotonic_start_us = monotonic_us();
-        world = std::make_unique<World>(scene.name, terrain, clock);
+        world = std::make_unique<World>(scene.name, terrain, clock, most_land_blocks);
         worker = std::make_unique<LandWorker>(loop, terrain, land_settings_of(scene.land));
         authority = std::make_unique<SeaAuthority>(loop, *world, log, *worker, lead_ms);
         authority->open(scene);
@@ -91,6 +91,7 @@ protected:
     }
 
     DirectorToken token;  // set before start
+    size_t most_land_blocks = usual_land_blocks;
     IoLoop loop;
     InMemoryEventLog log;
     std::unique_ptr<World> world;

@@ -97,7 +97,7 @@ TerrainTile FakeSea::tile(TerrainTileKey key) {
     return tile;
 }
 
-void FakeSea::command(const Command& command, Role role, std::function<void(CommandReply)> reply) {
+void FakeSea::command(const Command& command, Role role, uint64_t, std::function<void(CommandReply)> reply) {
     CommandReply answer;
     answer.sequence = command.sequence;
     if (role == Role::viewer) answer.code = ErrorCode::token_required;

@@ -15,6 +15,7 @@ public:
     std::atomic<uint32_t> changed_tiles{0};  ///< so many of the first are at revision 1, all others at 0
     std::atomic<uint64_t> results_made{0};
     std::atomic<int64_t> refresh_after_us{0};  ///< 0: never
+    std::atomic<uint64_t> last_over{0};        ///< the session that ended last
     /// Set before the server starts.
     std::string token = "secret";
 
@@ -27,7 +28,9 @@ public:
     std::vector<TerrainTileKey> tiles_for(const ViewState& view) override;
     uint32_t tile_revision(TerrainTileKey key) const override;
     TerrainTile tile(TerrainTileKey key) override;
-    void command(const Command& command, Role role, std::function<void(CommandReply)> reply) override;
+    void command(const Command& command, Role role, uint64_t session,
+                 std::function<void(CommandReply)> reply) override;
+    void session_over(uint64_t session) override { last_over = session; }
     BoxList list_boxes() const override;
     Result<SampleReply> sample(const SampleRequest& request) const override;
     Result<RaysReply> rays(const RaysRequest& request) const override;

@@ -229,7 +229,7 @@ TEST_F(StoreTest, blocks_of_one_field_share_step_and_neighbourhood) {
     const auto d = other.apply(far.tell_one(
         {{}, {}, {block(5, -1'000'000, -1'000'000), block(5, 1'000'000, 1'000'000)}, {}, {}, {}}));
     ASSERT_FALSE(d);
-    EXPECT_EQ(d.error().code, ErrorCode::value_out_of_range);
+    EXPECT_EQ(d.error().code, ErrorCode::too_much_land);
 }
 
 /// Two blocks of each field at the corners of a window of 2048 x 2048 slots: 64 MiB of look-up for 4.6 KiB of land.
@@ -244,7 +244,7 @@ InterestDelta hostile_windows(uint32_t fields) {
 
 TEST_F(StoreTest, windows_over_all_fields_have_a_budget) {
     // Each of the 256 windows alone is one that a field may have; together they would take 16 GiB.
-    EXPECT_EQ(refused(server.tell_one(hostile_windows(256))), ErrorCode::value_out_of_range);
+    EXPECT_EQ(refused(server.tell_one(hostile_windows(256))), ErrorCode::too_much_land);
     EXPECT_EQ(store.snapshot()->result, 0U);
     // What fits exactly is taken, also piece by piece and beside what was there before.
     ClientStore narrow({2 * 2048 * 2048, 40});
@@ -275,7 +275,20 @@ TEST_F(StoreTest, land_blocks_are_counted_before_a_result_is_whole) {
     for (size_t i = 0; i < 6; ++i) EXPECT_TRUE(narrow.apply(told[i])) << i;
     const auto seventh = narrow.apply(told[6]);
     ASSERT_FALSE(seventh);
-    EXPECT_EQ(seventh.error().code, ErrorCode::value_out_of_range);
+    EXPECT_EQ(seventh.error().code, ErrorCode::too_much_land) << "the server has broken nothing";
+    EXPECT_NE(seventh.error().message.find("this client holds 3"), std::string::npos);
+}
+
+// What eight wide regions take of 41 winds over a coast: more than a quarter of a million blocks, which an honest server sends.
+TEST_F(StoreTest, an_honest_servers_land_has_room) {
+    InterestDelta change;
+    const FieldBlock one = block(1, 0, 0);
+    for (uint32_t field = 1; field <= (1U << 18) + 1000; ++field) {
+        change.blocks.push_back(one);
+        change.blocks.back().field = {field};
+    }
+    take(server.tell_one(change));
+    EXPECT_EQ(store.snapshot()->interest->blocks.size(), (size_t{1} << 18) + 1000);
 }
 
 // A window near its largest, read by many boxes over a base: they share it.
@@ -486,6 +499,18 @@ TEST_F(StoreTest, a_steered_box_is_late_from_its_new_leg_on) {
     server.key.log_position = {3};
     take(server.tell_one({{told(storm)}, {}, {}, {}, {}, {}}));
     EXPECT_EQ(store.counters().late_events, 1U);
+}
+
+/// The state's hash does not tell of it.
+TEST_F(StoreTest, a_hull_that_changes_is_taken) {
+    WaveTrainBox ship = *box(1);
+    ship.length = ship.width = 1 << 20;
+    const auto told = [](const WaveTrainBox& b) { return std::make_shared<const WaveTrainBox>(b); };
+    take(server.tell_one({{told(ship)}, {}, {}, {}, {}, {}}));
+    ship.hull = {80.0F, 12.0F};
+    take(server.tell_one({{told(ship)}, {}, {}, {}, {}, {}}));
+    EXPECT_EQ(store.snapshot()->interest->boxes.at({1})->hull, ship.hull);
+    EXPECT_EQ(store.counters().resyncs, 0U);
 }
 
 TEST_F(StoreTest, tiles_have_to_belong_to_the_terrain) {

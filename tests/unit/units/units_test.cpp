@@ -71,7 +71,7 @@ TEST(SeaTimes, RoundHalfAwayFromZero) {
 TEST(Version, NamesProgramProtocolAndModel) {
     const std::string text = version_text("trochoid-server");
     EXPECT_EQ(text.rfind("trochoid-server ", 0), 0U);
-    EXPECT_NE(text.find("model 1"), std::string::npos);
+    EXPECT_NE(text.find("model 2"), std::string::npos);
 }
 
 }  // namespace

@@ -143,6 +143,12 @@ TEST(FlyCamera, looks_down_like_a_bird_and_comes_back) {
     fly.fly(look, 0.1);
     EXPECT_LT(fly.camera().pitch, -1.5) << "a bird's eye looks down";
     EXPECT_GT(fly.camera().altitude_m, high);
+    // Higher than any other camera, and not held to their heights by flying on.
+    look = {};
+    look.wheel = -100;
+    fly.fly(look, 0.1);
+    fly.fly(ahead, 0.1);
+    EXPECT_DOUBLE_EQ(fly.camera().altitude_m, 60'000);
     const LatticePoint there = fly.camera().position;
     fly.set_birds_eye(false);
     EXPECT_DOUBLE_EQ(fly.camera().altitude_m, 30);

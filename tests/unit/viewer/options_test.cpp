@@ -84,6 +84,16 @@ TEST(ViewerOptions, choose_every_method) {
     EXPECT_DOUBLE_EQ(parsed({"--target-ms", "12"})->target_ms, 12.0);
 }
 
+TEST(ViewerOptions, detail_is_left_to_the_renderer_unless_it_is_named) {
+    EXPECT_FALSE(parsed({})->lean);
+    EXPECT_FALSE(parsed({"--detail", "auto"})->lean);
+    EXPECT_EQ(parsed({"--detail", "full"})->lean, false);
+    EXPECT_EQ(parsed({"--detail", "lean"})->lean, true);
+    EXPECT_THROW(parsed({"--detail", "some"}), OperatorError);
+    EXPECT_FALSE(parsed({})->draw.time_passes);
+    EXPECT_TRUE(parsed({"--time-passes"})->draw.time_passes);
+}
+
 TEST(ViewerOptions, presets_come_first_and_words_win) {
     for (const Preset& preset : presets()) {
         const auto options = parsed({"--preset", std::string(preset.name)});
@@ -151,6 +161,16 @@ TEST(ViewerOptions, refuse_what_makes_no_sense) {
                              "--grid=64x0",
                              "--grid=64",
                              "--grid=64xnan",
+                             "--grid=64x3",
+                             "--grid=64x128",
+                             "--grid=64x0.03125",
+                             "--grid=100x2",
+                             "--grid=0x2",
+                             "--grid=2048x2",
+                             "--camera=0,0.4,0,0,0",
+                             "--camera=0,3001,0,0,0",
+                             "--size=15x16",
+                             "--size=16385x16",
                              "--projected=1x1",
                              "--attention=9",
                              "--hour=25",
@@ -172,6 +192,15 @@ TEST(ViewerOptions, refuse_what_makes_no_sense) {
     EXPECT_FALSE(refusal({"--offscreen", "--full-screen"}).empty());
 }
 
+TEST(ViewerOptions, what_they_take_is_what_is_drawn) {
+    EXPECT_DOUBLE_EQ(parsed({"--camera=0,0.5,0,0,0"})->camera.altitude_m, 0.5);
+    EXPECT_DOUBLE_EQ(parsed({"--camera=0,3000,0,0,0"})->camera.altitude_m, 3000);
+    for (const char* spacing : {"0.0625", "0.5", "1", "64"})
+        EXPECT_FLOAT_EQ(parsed({std::string("--grid=1024x") + spacing})->draw.grid_spacing_m,
+                        std::stof(spacing));
+    EXPECT_EQ(parsed({"--size=16384x16"})->camera.width, 16'384U);
+}
+
 TEST(ViewerOptions, say_what_there_is_where_a_name_is_not) {
     EXPECT_NE(refusal({"--mesher=triangles"}).find("patches, uniform, projected and coherent"),
               std::string::npos);
@@ -179,6 +208,10 @@ TEST(ViewerOptions, say_what_there_is_where_a_name_is_not) {
     EXPECT_NE(refusal({"--far=away"}).find("combined, spectrum and texture"), std::string::npos);
     EXPECT_NE(refusal({"--refine=oil"}).find("distance, screen and frustum"), std::string::npos);
     EXPECT_NE(refusal({"--quality=best"}).find("low, medium and high"), std::string::npos);
+    EXPECT_NE(refusal({"--camera=0,1e5,0,0,0"}).find("100000 m, is not within 0.5 to 3000 m"),
+              std::string::npos);
+    EXPECT_NE(refusal({"--grid=256x3"}).find("a power of two from 0.0625 to 64 m"), std::string::npos);
+    EXPECT_NE(refusal({"--size=20000x20"}).find("16 to 16384"), std::string::npos);
     EXPECT_NE(refusal({"--preset=doldrums"}).find("calm, breeze, gale, storm, harbour"), std::string::npos);
 }
 

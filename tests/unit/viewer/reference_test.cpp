@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cstdio>
 #include <fstream>
 #include <iterator>
 #include <regex>
@@ -9,6 +10,7 @@
 #include <sstream>
 
 #include "client/gpu/key_bindings.hpp"
+#include "client/scene/presets.hpp"
 #include "tests/unit/viewer/parsed.hpp"
 
 namespace trochoid {
@@ -40,6 +42,21 @@ TEST(Reference, has_the_options_of_the_help_and_no_others) {
     }
     for (const std::string& option : told)
         EXPECT_TRUE(helped.contains(option)) << option << " is in viewer-reference.md only";
+}
+
+/// demo.sh refuses a preset before it builds anything, so it has to know them.
+TEST(Reference, the_demo_knows_the_presets) {
+    std::string names;
+    for (const Preset& preset : presets()) names += (names.empty() ? "" : " ") + std::string(preset.name);
+    EXPECT_NE(text_of("demo.sh").find("\npresets='" + names + "'\n"), std::string::npos) << names;
+    const std::string command = "TROCHOID_SKIP_DEPENDENCIES=1 timeout 20 bash " TROCHOID_SOURCE_DIR
+                                "/demo.sh --offscreen --preset nonsense 2>&1; echo status $?";
+    FILE* demo = popen(command.c_str(), "r");
+    ASSERT_NE(demo, nullptr);
+    std::string said;
+    for (int c = std::fgetc(demo); c != EOF; c = std::fgetc(demo)) said += static_cast<char>(c);
+    pclose(demo);
+    EXPECT_EQ(said, "demo.sh: --preset nonsense: there are calm, breeze, gale, storm, harbour\nstatus 2\n");
 }
 
 TEST(Reference, has_every_key) {

@@ -8,6 +8,7 @@
 #include <iterator>
 
 #include "protocol/units/operator_error.hpp"
+#include "tests/unit/viewer/parsed.hpp"
 
 namespace trochoid {
 namespace {
@@ -48,6 +49,20 @@ TEST_F(Settings, come_back_as_they_were) {
     EXPECT_EQ(load_settings(file).values, ViewerSettings{}) << "a second time, over the first";
     EXPECT_EQ(std::distance(fs::directory_iterator(file.parent_path()), {}), 1)
         << "nothing is left beside it";
+}
+
+/// What a window leaves, the command line takes.
+TEST_F(Settings, sizes_are_those_of_the_options) {
+    for (const uint32_t length : {15U, 16U, 16'384U, 16'385U}) {
+        write("width = " + std::to_string(length) + "\n");
+        bool taken = true;
+        try {
+            parsed({"--size=" + std::to_string(length) + "x16"});
+        } catch (const OperatorError&) {
+            taken = false;
+        }
+        EXPECT_EQ(load_settings(file).complaint.empty(), taken) << length;
+    }
 }
 
 TEST_F(Settings, none_is_no_complaint) {

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cstdlib>
 #include <set>
 
 #include "client/app/sea_clock_choice.hpp"
@@ -33,6 +34,29 @@ TEST(ViewerState, goes_round_through_every_choice) {
     DrawOptions expected = options_for(Quality::medium);
     expected.mesher = MesherKind::uniform;
     EXPECT_EQ(state.wanted(), expected);
+}
+
+TEST(ViewerState, a_culling_camera_out_of_reach_follows_again) {
+    ViewerState state{ViewerOptions{}};
+    pressed(state, Action::freeze);
+    const auto jumped_to = [&](double x_m) {
+        Camera far = state.fly().camera();
+        far.position.x = to_lattice(x_m);
+        state.fly().go_to(far);
+        std::string notice;
+        state.keep_in_reach(notice);
+        return notice;
+    };
+    EXPECT_EQ(jumped_to(200'000), "");
+    ASSERT_TRUE(state.frozen());
+    EXPECT_LE(std::abs(frame_of(*state.frozen(), DepthRange::classic,
+                                frame_of(state.fly().camera(), DepthRange::classic).anchor)
+                           .cell.x),
+              int64_t{1} << 29);
+    // Beyond 2097 km its place did not fit the 32 bits of shaders any more.
+    EXPECT_NE(jumped_to(2'500'000).find("2500 km behind"), std::string::npos);
+    EXPECT_FALSE(state.frozen());
+    EXPECT_EQ(jumped_to(-2'500'000), "");
 }
 
 TEST(ViewerState, light_goes_round_the_clock) {

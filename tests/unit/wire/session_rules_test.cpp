@@ -1,5 +1,6 @@
 #include "protocol/wire/session_rules.hpp"
 
+#include <fmt/core.h>
 #include <gtest/gtest.h>
 
 #include <fstream>
@@ -105,6 +106,13 @@ std::string text_of(const char* path) {
     std::ostringstream text;
     text << std::ifstream(std::string(TROCHOID_SOURCE_DIR) + path).rdbuf();
     return text.str();
+}
+
+TEST(SessionRules, TheStandardSpeaksOfTheseVersions) {
+    const std::string standard = text_of("/protocol/README.md");
+    const std::string told =
+        fmt::format("Protocol version {}, model version {}.", protocol_version_max, model_version);
+    EXPECT_NE(standard.find(told), std::string::npos) << told;
 }
 
 TEST(SessionRules, TheStandardNamesEveryRequirement) {
