@@ -34,7 +34,9 @@ bool is_software_gl() {
 }
 
 void begin_drawing() {
-    if (is_software_gl()) glFlush();
+    // Asked once: a driver with threads of its own would stop for the question.
+    static const bool software = is_software_gl();
+    if (software) glFlush();
 }
 
 GlHealth::GlHealth()

@@ -31,7 +31,10 @@ float wind_of(float significant_height_m, float energy_period_s) {
 
 float cox_munk_variance(float wind_m_s) { return 0.003F + 0.00512F * wind_m_s; }
 
-float whitecap_share(float wind_m_s) { return std::min(2.95e-6F * std::pow(wind_m_s, 3.52F), 0.25F); }
+float whitecap_share(float wind_m_s) {
+    // Below some 3.5 m/s nothing breaks (Monahan and O'Muircheartaigh 1986), which the power law does not know.
+    return std::min(2.95e-6F * std::pow(wind_m_s, 3.52F), 0.25F) * smooth(3.0F, 4.5F, wind_m_s);
+}
 
 float normal_quantile(float share) {
     // Abramowitz and Stegun 26.2.23, to 4.5e-4.

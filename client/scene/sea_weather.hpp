@@ -22,8 +22,8 @@ float wind_of(float significant_height_m, float energy_period_s);
 /// Variance of the slope of a whole sea under a wind, both axes together, without slicks (Cox and Munk 1954).
 float cox_munk_variance(float wind_m_s);
 
-/// Share of the sea that whitecaps cover (Monahan and O'Muircheartaigh 1980: 2.95e-6 U^3.52), at most 0.25: beyond, it is
-/// streaks and spray.
+/// Share of the sea that whitecaps cover (Monahan and O'Muircheartaigh 1980: 2.95e-6 U^3.52), none below 3 m/s, at most
+/// 0.25: beyond, it is streaks and spray.
 float whitecap_share(float wind_m_s);
 
 /// The z with a share of a normal distribution above it, 1e-6 <= share <= 0.5.

@@ -104,10 +104,15 @@ Bytes encode(const LogEvent& event) {
     builder.ForceDefaults(true);
     EventEncoder encoder{builder};
     const auto body = std::visit(encoder, event.what);
-    return finish_envelope(
-        builder,
-        wire_fb::CreateEventEnvelope(builder, 0, event.event_id, event.effective.us, encoder.tag, body),
-        wire_fb::EventEnvelopeIdentifier());
+    wire_fb::EventEnvelopeBuilder envelope(builder);
+    envelope.add_effective_us(event.effective.us);
+    envelope.add_event_id(event.event_id);
+    // Absent where it is not known: an event from before it was logged keeps its bytes.
+    if (event.present != end_of_time) envelope.add_present_us(event.present.us);
+    envelope.add_body(body);
+    envelope.add_size(0);
+    envelope.add_body_type(encoder.tag);
+    return finish_envelope(builder, envelope.Finish(), wire_fb::EventEnvelopeIdentifier());
 }
 
 Result<LogEvent> decode_event(std::span<const uint8_t> data) {
@@ -118,6 +123,7 @@ Result<LogEvent> decode_event(std::span<const uint8_t> data) {
     LogEvent event;
     event.event_id = (*envelope)->event_id();
     event.effective = check.sea_time("effective_us", (*envelope)->effective_us());
+    event.present = check.sea_time("present_us", (*envelope)->present_us());
     unpack_body(check, **envelope, event);
     if (check.refused()) return check.error();
     return event;

@@ -369,6 +369,8 @@ struct LogEvent {
     uint64_t event_id = 0;  ///< unique; the same id again is the same event
     SeaTime effective;
     std::variant<BoxStarted, BoxEnding, ClockChanged, BoxSteered, LandChanged> what;
+    /// The sea time at which it was planned: what falls still only later makes no room for it. end_of_time: not known.
+    SeaTime present = end_of_time;
     bool operator==(const LogEvent&) const = default;
 };
 

@@ -51,6 +51,8 @@ SeaTime SeaAuthority::watermark() {
 }
 
 void SeaAuthority::open(const Scene& scene) {
+    // What falls still only later makes no room for what begins later still.
+    world_.set_present(scene.clock_start);
     open_breakwaters(scene);
     for (const SceneWind& wind : scene.winds) open_box(wind.name, world_.plan(wind));
     for (const SceneBox& box : scene.boxes) open_box(box.name, world_.plan(box));
@@ -229,6 +231,7 @@ void SeaAuthority::append(std::vector<Planned> planned) {
     std::vector<NewEvent> batch;
     for (Planned& next : planned) {
         next.event.event_id = next_event_++;
+        next.event.present = world_.present();
         batch.push_back({next.event.event_id, encode(next.event)});
     }
     const AppendResult result = log_.append(world_.state()->log_position, batch);

@@ -139,7 +139,9 @@ StartWind logged_wind(const StartShip& ship) {
     wind.towards_degrees = ship.towards_degrees;
     wind.origin = ship.at;
     wind.fetch = to_lattice(static_cast<double>(ship.length));
-    wind.width = to_lattice(beam_of(static_cast<double>(ship.length), static_cast<double>(ship.beam)));
+    // At least one unit: 0 would be no hull, and a seventh of the length on her next course.
+    wind.width = std::max(
+        to_lattice(beam_of(static_cast<double>(ship.length), static_cast<double>(ship.beam))), int64_t{1});
     wind.trains = 0;
     wind.seed = 1;
     return wind;

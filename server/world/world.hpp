@@ -61,6 +61,7 @@ public:
 
     /// The sea time at which plans are made. What falls still only later makes no room for a new box, however late that begins.
     void set_present(SeaTime present) { present_ = present; }
+    SeaTime present() const { return present_; }
 
     /// The box of a wind that starts to blow at `begin` (rows A2, A4), its choppiness scaled for the boxes around.
     /// An empty name becomes "wind N"; seed 0 one drawn from the box's id and time. Errors: value_out_of_range,

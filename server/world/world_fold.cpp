@@ -109,7 +109,6 @@ TracedLand only_land(Derived derived, BoxId box) {
 
 void take(WorldState& state, const BoxStarted& event, Derived derived) {
     TracedLand land = only_land(std::move(derived), event.box.id);
-    if (!land.fields.empty()) make_room_for_land(state, blocks_of(land), event.box.begin);
     auto box = std::make_shared<WorldBox>();
     box->name = event.name;
     box->wind = event.wind;
@@ -220,12 +219,11 @@ Fields fields_with_bases(const PreparedBox& box) {
 }
 
 void fold(WorldState& state, const LogEvent& event, Derived derived) {
-    if (std::holds_alternative<LandChanged>(event.what)) {
-        size_t coming = 0;
-        for (const TracedLand& land : derived.lands) coming += blocks_of(land);
-        let_go_of_old_land(state, event.effective);
-        make_room_for_land(state, coming, event.effective);
-    }
+    if (std::holds_alternative<LandChanged>(event.what)) let_go_of_old_land(state, event.effective);
+    size_t coming = 0;
+    for (const TracedLand& land : derived.lands) coming += blocks_of(land);
+    // The land comes now, not only when it takes hold: nothing goes for it that still moves the sea.
+    make_room_for_land(state, coming, std::min(event.effective, event.present));
     std::visit([&](const auto& what) { take(state, what, std::move(derived)); }, event.what);
 }
 

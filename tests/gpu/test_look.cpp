@@ -128,6 +128,7 @@ TEST_F(Look, waves_tell_the_wind) {
         EXPECT_LT(scroll_speed(wind + 0.05F) - scroll_speed(wind), 0.12F) << wind;
     EXPECT_NEAR(normal_quantile(0.025F), 1.96F, 1e-3F);
     EXPECT_NEAR(whitecap_share(10.0F), 0.0099F, 3e-4F);
+    EXPECT_EQ(whitecap_share(2.9F), 0.0F);  // light air breaks nothing
 }
 
 /// Slopes displayed, mapped and left to roughness sum up to the same near and far, so the sea's mean brightness has no step.

@@ -32,8 +32,9 @@ vec3 through_water(vec2 rest, float height, float depth, vec3 view, vec3 normal,
     float below = max(way * fall, 0.0);
     // Meadows of weed, their tile hidden by a larger one at another angle; from the air the mean of it all.
     float level = log2(distance * picture.x);
-    vec4 marks = textureLod(foam_detail, seen / (1024.0 / 5.0), max(level + 0.3, 1.0));
-    float wide = textureLod(foam_detail, vec2(dot(seen, vec2(0.8, 0.6)), dot(seen, vec2(-0.6, 0.8))) / 1024.0, max(level - 2.0, 0.0)).x;
+    vec2 turned = vec2(dot(seen, vec2(0.8, 0.6)), dot(seen, vec2(-0.6, 0.8)));
+    vec4 marks = textureLod(foam_detail, turned / (1024.0 / 5.0), max(level + 0.3, 1.0));
+    float wide = textureLod(foam_detail, seen / 1024.0, max(level - 2.0, 0.0)).x;
     float weed = smoothstep(0.56, 0.74, 0.5 * (marks.x + wide)) * smoothstep(1.0, 3.0, below);
     vec3 bed = mix(sand_below * (0.82 + 0.36 * marks.y), weed_below, weed);
     float sharp = (1.0 - smoothstep(25.0, 120.0, distance)) * smoothstep(0.05, 1.0, below) * (1.0 - smoothstep(3.0, 9.0, below));

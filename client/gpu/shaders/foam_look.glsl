@@ -4,6 +4,7 @@ uniform sampler2D foam_detail;  // whitecap noise, lace, streaks, whitecap noise
 
 const float cap_tile = 1024.0 / 10.0;       // m
 const float wide_tile = 1024.0 / 5.0;       // m
+const float surf_tile = 1024.0 / 17.0;      // m
 const float lace_tile = 1024.0 / 205.0;     // m
 const vec2 tangle_tile = vec2(1024.0 / 25.0, 1024.0 / 45.0);  // m; the wind draws it out
 
@@ -30,14 +31,16 @@ vec2 whitecaps(float jacobian, float unknown, vec2 p, float pixel) {
     if (storm <= 0.0 && known + 3.7 * sqrt(by_noise) < limit) return vec2(0.0);
     float level = max(pixel - log2(cap_tile / 256.0), 0.0);
     // Two patterns that travel with the waves and take turns: caps come and go.
-    float blend = 0.5 - 0.5 * cos(0.7853982 * picture.z);
+    float blend = clamp(0.5 - 0.5 * cos(0.7853982 * picture.z), 0.0, 1.0);
     vec4 texel = textureLod(foam_detail, (p - vec2(0.22 * wind.z * picture.z, 0.0)) / cap_tile, level);
     float noise = (texel.x - 0.5) * 8.0 * sqrt(1.0 - blend) + (texel.w - 0.5) * 8.0 * sqrt(blend);
     float left = noise_left(level);
     // From the air many tiles are seen at once: a second, larger one at another angle takes the repetition away.
     float high = 0.6 * smoothstep(-3.0, -0.5, pixel);
     if (high > 0.0) {
-        vec2 q = vec2(dot(p, vec2(0.8, 0.6)), dot(p, vec2(-0.6, 0.8))) / wide_tile;
+        // Turned so that 1024 m, by which the anchor moves, are whole tiles whatever ripple_axes.
+        float turn = ripple_axes.x * ripple_axes.y * (abs(ripple_axes.x) - abs(ripple_axes.y)) > 0.0 ? -0.6 : 0.6;
+        vec2 q = vec2(dot(p, vec2(0.8, turn)), dot(p, vec2(-turn, 0.8))) / wide_tile;
         float wide = max(pixel - log2(wide_tile / 256.0), 0.0);
         vec2 other = textureLod(foam_detail, q, wide).xz;
         noise = noise * sqrt(1.0 - high * high) + (other.x - 0.5) * 8.0 * high;
@@ -88,8 +91,8 @@ float surf(float depth, float waves, vec2 p, Ripples ripples, float pixel) {
     float surf_depth = foam.y + 1.2 * waves;
     if (depth > surf_depth || depth < -1.5) return 0.0;
     float near_shore = 1.0 - smoothstep(0.1, surf_depth, depth);
-    float level = max(pixel - log2(61.0 / 256.0), 0.0);
-    float torn = textureLod(foam_detail, p / 61.0 + vec2(0.011 * picture.z, 0.0), level).y;
+    float level = max(pixel - log2(surf_tile / 256.0), 0.0);
+    float torn = textureLod(foam_detail, p / surf_tile + vec2(0.011 * picture.z, 0.0), level).y;
     float phase = depth * 3.3 / (0.35 + 0.5 * waves) + picture.z * 0.9 + 5.0 * torn + 2.0 * ripples.patches;
     float saw = fract(phase / 6.2831853);
     // A bore: steep white front, thinning behind.
@@ -98,11 +101,12 @@ float surf(float depth, float waves, vec2 p, Ripples ripples, float pixel) {
     return clamp(near_shore * (1.25 * run * (0.35 + 0.65 * torn) + wash), 0.0, 1.0);
 }
 
-/// Density of foam that the map remembers, and how much the map counts here (it ends softly).
-vec2 remembered_foam(vec2 rest) {
+/// Density of foam that the map remembers, and how much the map counts here (it ends softly, also where its texels are smaller
+/// than pixels: from the air they would flicker).
+vec2 remembered_foam(vec2 rest, float pixel) {
     if (foam_map_place.z <= 0.0) return vec2(0.0);
     vec2 off = abs(rest - foam_map_place.xy) / foam_map_place.z;
-    float counts = 1.0 - smoothstep(0.36, 0.47, max(off.x, off.y));
+    float counts = (1.0 - smoothstep(0.36, 0.47, max(off.x, off.y))) * (1.0 - smoothstep(0.2, 1.4, pixel));
     if (counts <= 0.0) return vec2(0.0);
     return vec2(textureLod(foam_map, rest / foam_map_place.z, 0.0).x * counts, counts);
 }

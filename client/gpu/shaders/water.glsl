@@ -59,7 +59,7 @@ Roughness roughness_of(vec3 waves) {
 /// Foam at a place.
 Foam foam_at(float jacobian, float depth, vec3 waves, vec2 rest, Ripples ripples, float pixel) {
     vec2 p = along_wind(rest);
-    vec2 history = remembered_foam(rest);
+    vec2 history = remembered_foam(rest, pixel);
     float unknown = clamp(waves.y / max(waves.z, 1e-6), 0.0, 1.0);
     float exposed = clamp(waves.z / max(sea_state.x, 1e-5), 0.0, 1.0);
     vec2 caps = whitecaps(jacobian, unknown, p, pixel) * smoothstep(0.2, 0.8, exposed);

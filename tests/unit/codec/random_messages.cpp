@@ -482,6 +482,7 @@ LogEvent random_event(Dice& d, size_t index) {
         for (int64_t i = d.between(0, 3); i > 0; --i) changed.also.push_back(land_change(d));
         e.what = changed;
     }
+    if ((d.bits() & 1) != 0) e.present = sea_time(d);
     return e;
 }
 

@@ -61,7 +61,8 @@ struct LandRoomTest : testing::Test {
     void start(SeaTime begin, int64_t life_us, TracedLand traced) {
         const auto planned = world.plan(breeze(life_us), begin);
         ASSERT_TRUE(planned) << planned.error().message;
-        world.apply({world.state()->log_position.value + 1, begin, *planned}, Bytes{1}, std::move(traced));
+        world.apply({world.state()->log_position.value + 1, begin, *planned, world.present()}, Bytes{1},
+                    std::move(traced));
     }
     ChangeLand wall() {
         ChangeLand change;
@@ -74,7 +75,7 @@ struct LandRoomTest : testing::Test {
         if (!planned) return planned;
         Derived derived;
         for (Retraced& next : touched) derived.lands.push_back(std::move(next.land));
-        world.apply({world.state()->log_position.value + 1, effective, *planned}, Bytes{2},
+        world.apply({world.state()->log_position.value + 1, effective, *planned, world.present()}, Bytes{2},
                     std::move(derived));
         return planned;
     }
@@ -139,6 +140,47 @@ TEST_F(LandRoomTest, OldLandAndUselessTracesGo) {
     EXPECT_TRUE(ending.expired());
     EXPECT_TRUE(has(2));
     EXPECT_NE(box(3).land_memory, nullptr);
+}
+
+/// Height at a place where waves of all boxes act.
+float height_at(const World& world, SeaTime when) {
+    return SeaInstant(world.state()->sea, when).evaluate({0, 0}).ay;
+}
+
+// What takes hold only later is logged now: until then nothing goes that still moves the sea.
+TEST_F(LandRoomTest, AChangeAheadOfTimeLeavesTheWindThatStillBlows) {
+    start({-80'000 * second}, 0, land(1, 3));
+    start({-10'000 * second}, 9'847 * second, land(2, 2));
+    world.set_present({0});
+    ASSERT_GT((box(2).sea->record.end + box(2).sea->record.decay_us).us, 5 * second);
+    const float before = height_at(world, {5 * second});
+    ASSERT_TRUE(change({50 * second}, {{{1}, land(3, 6)}}));
+    EXPECT_TRUE(has(2));
+    EXPECT_EQ(height_at(world, {5 * second}), before);
+}
+
+TEST_F(LandRoomTest, AWindToComeCutsNoCrossFade) {
+    start({-80'000 * second}, 0, land(1, 3));
+    start({-70'000 * second}, 0, land(2, 2));
+    world.set_present({0});
+    ASSERT_TRUE(change({500'000}, {{{1}, land(3, 3)}}));
+    world.set_present({1 * second});
+    const float before = height_at(world, {2 * second});
+    ASSERT_LE(4U, world.room_for_land({3600 * second}).left());
+    start({3600 * second}, 0, land(4, 4));
+    EXPECT_TRUE(has(1));
+    EXPECT_EQ(height_at(world, {2 * second}), before);
+}
+
+// As the server defers it: to the end of the cross-fade under way.
+TEST_F(LandRoomTest, TheNextChangeCutsNoCrossFade) {
+    start({-80'000 * second}, 0, land(1, 3));
+    world.set_present({0});
+    ASSERT_TRUE(change({500'000}, {{{1}, land(2, 3)}}));
+    world.set_present({1 * second});
+    const float before = height_at(world, {2 * second});
+    ASSERT_TRUE(change(world.land_settled(), {{{2}, land(3, 5)}}));
+    EXPECT_EQ(height_at(world, {2 * second}), before);
 }
 
 }  // namespace

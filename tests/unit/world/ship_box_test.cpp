@@ -134,6 +134,10 @@ TEST(ShipBox, TheLogsWindKeepsTheHull) {
     StartShip slim = ferry();
     slim.beam = 0.0F;
     EXPECT_NEAR(logged_ship(logged_wind(slim)).beam, 120.0F / 7.0F, 1e-3F);
+    // However slim, she keeps her hull.
+    slim.beam = 1e-6F;
+    EXPECT_TRUE(has_hull(logged_hull(logged_wind(slim))));
+    EXPECT_LE(logged_ship(logged_wind(slim)).beam, 0x1p-10F);
 }
 
 TEST(ShipBox, BadShipsSayWhatToDo) {
