@@ -91,16 +91,22 @@ size_t mebibytes(size_t blocks) { return (blocks * land_block_bytes + (size_t{1}
 LandRoom land_room(const WorldState& state, SeaTime by) {
     return {held_by(state, [](const WorldBox&) { return true; }).blocks(),
             held_by(state, [by](const WorldBox& box) { return goes_on(box, by); }).blocks(),
-            state.most_land_blocks};
+            state.most_land_blocks,
+            held_by(state, [by](const WorldBox& box) { return still_from(box) > by; }).blocks()};
 }
 
-size_t kept_after(const WorldState& state, std::span<const Retraced> touched, SeaTime by) {
+LandRoom room_after(const WorldState& state, std::span<const Retraced> touched, SeaTime by) {
     std::map<BoxId, const TracedLand*> next;
     for (const Retraced& box : touched) next.emplace(box.box, &box.land);
-    HeldFields held = held_by(
+    HeldFields held = held_by(state, [](const WorldBox&) { return true; });
+    HeldFields kept = held_by(
         state, [&](const WorldBox& box) { return goes_on(box, by) && !next.contains(box.sea->record.id); });
-    for (const auto& [id, land] : next) held.add(fields_after(*state.boxes.at(id), *land));
-    return held.blocks();
+    HeldFields moving = held_by(state, [by](const WorldBox& box) { return still_from(box) > by; });
+    for (const auto& [id, land] : next) {
+        const HeldFields::Fields fields = fields_after(*state.boxes.at(id), *land);
+        for (HeldFields* count : {&held, &kept, &moving}) count->add(fields);
+    }
+    return {held.blocks(), kept.blocks(), state.most_land_blocks, moving.blocks()};
 }
 
 bool land_is_tight(const WorldState& state) {
@@ -113,8 +119,8 @@ Error too_much_land(const LandRoom& room) {
         ErrorCode::too_much_land,
         fmt::format(
             "what land does to this world's waves takes {} of the {} MiB that the server has for it, and this would "
-            "go beyond: stop winds over land and try again when they have fallen still, change less of "
-            "the land at once, or have the server started with a larger --land-mib",
+            "go beyond: try again when what the last changes of the land began has cross-faded, stop winds "
+            "over land, change less of the land at once, or have the server started with a larger --land-mib",
             mebibytes(room.kept), mebibytes(room.most))};
 }
 

@@ -22,15 +22,22 @@ struct LandRoom {
     /// Of these, what stays when all boxes are gone that have fallen still, and those whose place another has taken.
     size_t kept = 0;
     size_t most = 0;  ///< WorldState::most_land_blocks
-    size_t left() const { return kept < most ? most - kept : 0; }
+    /// What boxes hold that have not fallen still, those whose place another takes too: it may be half as much again.
+    size_t moving = 0;
+    size_t left() const {
+        const size_t for_good = kept < most ? most - kept : 0;
+        const size_t at_once = moving < most + most / 2 ? most + most / 2 - moving : 0;
+        return for_good < at_once ? for_good : at_once;
+    }
+    bool fits() const { return kept <= most && moving <= most + most / 2; }
     bool operator==(const LandRoom&) const = default;
 };
 
 /// What is held, and what could be let go of boxes that have fallen still by `by`.
 LandRoom land_room(const WorldState& state, SeaTime by);
 
-/// LandRoom::kept once these boxes have been succeeded over their new land.
-size_t kept_after(const WorldState& state, std::span<const Retraced> touched, SeaTime by);
+/// The same once these boxes have been succeeded over their new land.
+LandRoom room_after(const WorldState& state, std::span<const Retraced> touched, SeaTime by);
 
 /// Whether more than half of the room is taken, so that overlays are not left to hide much of each other.
 bool land_is_tight(const WorldState& state);

@@ -324,7 +324,7 @@ Result<LandChanged> World::plan(const ChangeLand& change, SeaTime effective,
     TROCHOID_ASSERT(effective >= land_settled(), "the land changes at {} us, before it has settled",
                     effective.us);
     if (auto ok = has_room(effective, touched.size()); !ok) return ok.error();
-    if (kept_after(*state_, touched, std::min(effective, present_)) > state_->most_land_blocks)
+    if (!room_after(*state_, touched, std::min(effective, present_)).fits())
         return too_much_land(room_for_land(effective));
     const SteepCrowd others = crowd_over(touched);
     LandChanged event{change, {}, std::move(also)};

@@ -91,17 +91,17 @@ private:
 TEST_F(LandRoomTest, SharedFieldsCountOnceAndStillBoxesMayGo) {
     start({-90'000 * second}, 1000 * second, land(1, 3));
     start({-80'000 * second}, 0, land(2, 2));
-    EXPECT_EQ(world.room_for_land({0}), (LandRoom{5, 2, 10}));
-    EXPECT_EQ(world.room_for_land({-89'500 * second}), (LandRoom{5, 5, 10})) << "it still blows";
+    EXPECT_EQ(world.room_for_land({0}), (LandRoom{5, 2, 10, 2}));
+    EXPECT_EQ(world.room_for_land({-89'500 * second}), (LandRoom{5, 5, 10, 5})) << "it still blows";
     ASSERT_TRUE(change({0}, {{{2}, land(3, 1, box(2).sea->fields[0])}}));
     // The successor reads both fields; the predecessor has given its place away.
     EXPECT_EQ(land_room(*world.state(), {0}).kept, 3U);
     // So does one over another that is to come.
     const TracedLand next = land(4, 4, box(3).sea->fields[0]);
     const Retraced again{{3}, next};
-    EXPECT_EQ(kept_after(*world.state(), {&again, 1}, {0}), 7U);
+    EXPECT_EQ(room_after(*world.state(), {&again, 1}, {0}).kept, 7U);
     const Retraced flat{{3}, land(4, 4)};
-    EXPECT_EQ(kept_after(*world.state(), {&flat, 1}, {0}), 4U);
+    EXPECT_EQ(room_after(*world.state(), {&flat, 1}, {0}).kept, 4U);
 }
 
 TEST_F(LandRoomTest, TheFirstToFallStillMakesRoomFirst) {
@@ -115,7 +115,7 @@ TEST_F(LandRoomTest, TheFirstToFallStillMakesRoomFirst) {
     EXPECT_TRUE(has(1)) << "nothing has come";
     start({20 * second}, 0, land(6, 3));
     EXPECT_FALSE(has(1));
-    EXPECT_EQ(land_room(*world.state(), {0}), (LandRoom{10, 10, 10}));
+    EXPECT_EQ(land_room(*world.state(), {0}), (LandRoom{10, 10, 10, 10}));
 }
 
 TEST_F(LandRoomTest, AChangeThatDoesNotFitIsRefused) {
