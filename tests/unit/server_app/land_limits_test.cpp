@@ -29,7 +29,7 @@ ChangeLand bar(float crest, double x = -1500.0) {
 class LandLimits : public RealServer {
 protected:
     CommandReply done(decltype(Command::action) action) {
-        const CommandReply reply = command({++sequence_, {}, false, std::move(action)}).get();
+        CommandReply reply = command({++sequence_, {}, false, std::move(action)}).get();
         EXPECT_EQ(reply.code, ErrorCode::none) << reply.message;
         return reply;
     }
@@ -38,7 +38,7 @@ protected:
     }
     CommandReply refused(decltype(Command::action) action) {
         const uint64_t before = state()->log_position.value;
-        const CommandReply reply = command({++sequence_, {}, false, std::move(action)}).get();
+        CommandReply reply = command({++sequence_, {}, false, std::move(action)}).get();
         EXPECT_NE(reply.code, ErrorCode::none);
         EXPECT_EQ(state()->log_position.value, before) << "a refusal leaves no trace";
         return reply;
