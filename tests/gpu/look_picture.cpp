@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <chrono>
-#include <cstdio>
 #include <cstdlib>
 #include <map>
 #include <string>
@@ -13,23 +12,14 @@
 #include "client/gpu/offscreen_context.hpp"
 #include "client/gpu/picture_file.hpp"
 #include "client/gpu/renderer.hpp"
+#include "tests/gpu/picture_arguments.hpp"
 #include "tests/gpu/weather_sea.hpp"
 
 using namespace trochoid;
 
 namespace {
 
-std::map<std::string, std::string> arguments(int argc, char** argv) {
-    std::map<std::string, std::string> values;
-    for (int i = 2; i < argc; ++i) {
-        const std::string text = argv[i];
-        const size_t sign = text.find('=');
-        if (sign != std::string::npos) values[text.substr(0, sign)] = text.substr(sign + 1);
-    }
-    return values;
-}
-
-DrawOptions options_of(std::map<std::string, std::string>& values) {
+DrawOptions options_of(Arguments& values) {
     DrawOptions options = options_for(quality_named(values["quality"]).value_or(Quality::medium));
     options.far_method = far_method_named(values["far"]).value_or(FarMethod::combined);
     options.mesher = mesher_named(values["mesher"]).value_or(MesherKind::patches);
@@ -39,23 +29,6 @@ DrawOptions options_of(std::map<std::string, std::string>& values) {
     options.wireframe = values["wireframe"] == "1";
     options.lean = values["lean"] == "1";
     return options;
-}
-
-Camera camera_of(std::map<std::string, std::string>& values) {
-    Camera camera;
-    camera.width = 960;
-    camera.height = 540;
-    double x = -9'000;
-    double z = 5'000;
-    double yaw = 250;
-    double pitch = -4;
-    camera.altitude_m = 12;
-    std::sscanf(values["at"].c_str(), "%lf,%lf,%lf,%lf,%lf", &x, &z, &camera.altitude_m, &yaw, &pitch);
-    std::sscanf(values["size"].c_str(), "%ux%u", &camera.width, &camera.height);
-    camera.position = {to_lattice(x), to_lattice(z)};
-    camera.yaw = yaw / 57.29577951;
-    camera.pitch = pitch / 57.29577951;
-    return camera;
 }
 
 }  // namespace

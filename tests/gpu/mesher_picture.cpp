@@ -9,7 +9,6 @@
 #include <algorithm>
 #include <array>
 #include <chrono>
-#include <cstdio>
 #include <cstdlib>
 #include <map>
 #include <sstream>
@@ -19,23 +18,12 @@
 #include "client/gpu/picture_file.hpp"
 #include "client/gpu/renderer.hpp"
 #include "tests/gpu/mesher_cases.hpp"
+#include "tests/gpu/picture_arguments.hpp"
 #include "tests/gpu/weather_sea.hpp"
 
 using namespace trochoid;
 
 namespace {
-
-using Arguments = std::map<std::string, std::string>;
-
-Arguments arguments(int argc, char** argv) {
-    Arguments values;
-    for (int i = 2; i < argc; ++i) {
-        const std::string text = argv[i];
-        const size_t sign = text.find('=');
-        if (sign != std::string::npos) values[text.substr(0, sign)] = text.substr(sign + 1);
-    }
-    return values;
-}
 
 double number(const Arguments& values, const char* name, double otherwise) {
     const auto at = values.find(name);
@@ -58,23 +46,6 @@ DrawOptions options_of(Arguments& values) {
         options.clear_colour = {1.0F, 0.0F, 1.0F};
     }
     return options;
-}
-
-Camera camera_of(Arguments& values) {
-    Camera camera;
-    camera.width = 960;
-    camera.height = 540;
-    double x = -9'000;
-    double z = 5'000;
-    double yaw = 250;
-    double pitch = -4;
-    camera.altitude_m = 12;
-    std::sscanf(values["at"].c_str(), "%lf,%lf,%lf,%lf,%lf", &x, &z, &camera.altitude_m, &yaw, &pitch);
-    std::sscanf(values["size"].c_str(), "%ux%u", &camera.width, &camera.height);
-    camera.position = {to_lattice(x), to_lattice(z)};
-    camera.yaw = yaw / 57.29577951;
-    camera.pitch = pitch / 57.29577951;
-    return camera;
 }
 
 Picture draw(MesherKind kind, FixtureSource& source, const Camera& camera, DrawOptions options, int frames) {

@@ -6,21 +6,13 @@
 #include "server/event/event_log.hpp"
 #include "server/world/steepness.hpp"
 #include "server/world/world.hpp"
+#include "tests/unit/world/shoal.hpp"
 
 namespace trochoid {
 namespace {
 
 constexpr int64_t second = microseconds_per_second;
 constexpr SeaTime long_ago{-5000 * second};
-
-std::shared_ptr<const TerrainGrid> shoal() {
-    TerrainGrid grid;
-    grid.columns = grid.rows = 65;
-    grid.origin_x = grid.origin_z = -32 * 32768;
-    grid.heights.assign(size_t{65} * 65, -10 * 32);
-    grid.open_sea_depth = -20 * 1024;
-    return std::make_shared<const TerrainGrid>(grid);
-}
 
 /// So many winds of 256 trains that all overlap each other, and that share the steepness there is.
 World& crowd(World& world, uint32_t winds) {

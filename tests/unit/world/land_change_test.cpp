@@ -8,37 +8,17 @@
 #include "server/world/steepness.hpp"
 #include "server/world/terrain_edit.hpp"
 #include "server/world/world.hpp"
+#include "tests/unit/world/shoal.hpp"
 
 namespace trochoid {
 namespace {
 
 constexpr int64_t second = microseconds_per_second;
 
-std::shared_ptr<const TerrainGrid> shoal() {
-    TerrainGrid grid;
-    grid.columns = grid.rows = 65;
-    grid.origin_x = grid.origin_z = -32 * 32768;
-    grid.heights.assign(size_t{65} * 65, -10 * 32);
-    grid.open_sea_depth = -20 * 1024;
-    return std::make_shared<const TerrainGrid>(grid);
-}
-
 ChangeLand wall() {
     ChangeLand change;
     change.line = {{to_lattice(-300.0), 0}, {to_lattice(300.0), 0}};
     return change;
-}
-
-StartWind breeze() {
-    StartWind wind;
-    wind.speed = 9.0F;
-    wind.towards_degrees = 180.0F;
-    wind.origin = {0, to_lattice(-1500.0)};
-    wind.fetch = to_lattice(3000.0);
-    wind.width = to_lattice(3000.0);
-    wind.trains = 4;
-    wind.seed = 5;
-    return wind;
 }
 
 /// A field whose single block around the origin halves the heights, or shifts them.

@@ -7,33 +7,12 @@
 #include "server/land/land_memory.hpp"
 #include "server/world/terrain_edit.hpp"
 #include "server/world/world.hpp"
+#include "tests/unit/world/shoal.hpp"
 
 namespace trochoid {
 namespace {
 
 constexpr int64_t second = microseconds_per_second;
-
-std::shared_ptr<const TerrainGrid> shoal() {
-    TerrainGrid grid;
-    grid.columns = grid.rows = 65;
-    grid.origin_x = grid.origin_z = -32 * 32768;
-    grid.heights.assign(size_t{65} * 65, -10 * 32);
-    grid.open_sea_depth = -20 * 1024;
-    return std::make_shared<const TerrainGrid>(grid);
-}
-
-StartWind breeze(int64_t life_us) {
-    StartWind wind;
-    wind.speed = 9.0F;
-    wind.towards_degrees = 180.0F;
-    wind.origin = {0, to_lattice(-1500.0)};
-    wind.fetch = to_lattice(3000.0);
-    wind.width = to_lattice(3000.0);
-    wind.trains = 4;
-    wind.seed = 5;
-    wind.life_us = life_us;
-    return wind;
-}
 
 /// One new field of so many blocks for all trains, over `base` where there is one.
 TracedLand land(uint32_t id, int32_t blocks, const std::shared_ptr<const LandField>& base = nullptr) {
