@@ -70,6 +70,7 @@ struct Outcome {
     std::string operator()(const SetRate& rate) const {
         return fmt::format("rate {:g} from sea time {{}} on", static_cast<double>(rate.rate_q16) / 65536.0);
     }
+    std::string operator()(const SkipTime&) const { return "time goes on from sea time {}"; }
     std::string operator()(const ListBoxes&) const { return "listed at sea time {}"; }
 };
 
@@ -150,8 +151,9 @@ std::string report(const BoxList& list, bool json) {
 }
 
 std::string report(const CommandReply& reply, const CommandAction& action, SeaTime asked, bool json) {
-    const bool of_a_box =
-        !std::holds_alternative<SetRate>(action) && !std::holds_alternative<ChangeLand>(action);
+    const bool of_a_box = !std::holds_alternative<SetRate>(action) &&
+                          !std::holds_alternative<SkipTime>(action) &&
+                          !std::holds_alternative<ChangeLand>(action);
     const bool timed = asked.us > -sea_time_bound;
     const int64_t deferred_us = timed ? reply.effective - asked : 0;
     if (json) {

@@ -13,6 +13,16 @@ ViewState unpack_view(Scrutiny& check, const wire_fb::View* view) {
     return check.present("view", view) == nullptr ? ViewState{} : unpack(check, *view, widest_view);
 }
 
+ResumeState unpack(Scrutiny& check, const wire_fb::Resume& r) {
+    ResumeState out;
+    out.instance = unpack_instance(check, r.instance());
+    out.key = unpack(check, r.key());
+    out.state_hash = r.state_hash();
+    out.log_position = {r.log_position()};
+    out.log_hash = r.log_hash();
+    return out;
+}
+
 ClientMessage unpack(Scrutiny& check, const wire_fb::ClientHello& m) {
     ClientHello out;
     out.protocol_min = m.protocol_min();
@@ -26,6 +36,11 @@ ClientMessage unpack(Scrutiny& check, const wire_fb::ClientHello& m) {
     out.view = unpack_view(check, m.view());
     out.regions = unpack_regions(check, m.regions());
     out.clock_stamp_us = check.stamp("clock_stamp_us", m.clock_stamp_us());
+    out.capabilities = m.capabilities();
+    if (const auto* ticket = check.optional_list("ticket", m.ticket(), longest_ticket))
+        out.ticket.assign(ticket->begin(), ticket->end());
+    if (m.resume() != nullptr) out.resume = unpack(check, *m.resume());
+    out.last_code = unpack(check, m.last_code());
     return out;
 }
 
@@ -101,18 +116,52 @@ ClientMessage unpack(Scrutiny& check, const wire_fb::Command& m) {
         case wire_fb::Action::ChangeLand:
             if (present) out.action = unpack(check, *m.action_as_ChangeLand());
             break;
+        case wire_fb::Action::SkipTime:
+            if (present)
+                out.action = SkipTime{check.within("forward_us", m.action_as_SkipTime()->forward_us(),
+                                                   int64_t{1}, longest_skip_us)};
+            break;
         default: check.refuse(ErrorCode::unknown_message, "the command's action is none of the standard's");
     }
     return out;
 }
 
-ClientMessage unpack(Scrutiny& check, const wire_fb::SampleRequest& m) {
-    SampleRequest out{m.sequence(), check.sea_time("time_us", m.time_us()), {}};
-    const auto* points = check.list("points", m.points(), Limits{}.sample_points);
+std::vector<LatticePoint> unpack_points(Scrutiny& check,
+                                        const flatbuffers::Vector<const wire_fb::Point*>* list, size_t most) {
+    std::vector<LatticePoint> out;
+    const auto* points = check.list("points", list, most);
     if (points == nullptr) return out;
-    out.points.reserve(points->size());
-    for (const wire_fb::Point* p : *points)
-        out.points.push_back(check.place("a sample point", p->x(), p->z()));
+    out.reserve(points->size());
+    for (const wire_fb::Point* p : *points) out.push_back(check.place("a point", p->x(), p->z()));
+    return out;
+}
+
+ClientMessage unpack(Scrutiny& check, const wire_fb::SampleRequest& m) {
+    return SampleRequest{m.sequence(), check.sea_time("time_us", m.time_us()),
+                         unpack_points(check, m.points(), Limits{}.sample_points)};
+}
+
+ClientMessage unpack(Scrutiny& check, const wire_fb::Probe& m) {
+    Probe out{m.sequence(), m.result(), check.sea_time("time_us", m.time_us()),
+              unpack_points(check, m.points(), most_probe_points)};
+    check.require(check.refused() || !out.points.empty(), "points is empty");
+    check.require(out.result > 0, "result is 0");
+    return out;
+}
+
+ClientMessage unpack(Scrutiny& check, const wire_fb::Desync& m) {
+    Desync out;
+    out.sequence = m.sequence();
+    out.result = m.result();
+    const auto* d = check.present("difference", m.difference());
+    if (d == nullptr) return out;
+    out.at = check.place("difference.at", d->at().x(), d->at().z());
+    out.time = check.sea_time("difference.time_us", d->time_us());
+    out.expected = d->expected();
+    out.actual = d->actual();
+    out.box = {d->box()};
+    out.part = d->part();
+    out.patch = unpack_patch_key(check, d->patch_level(), d->patch_x(), d->patch_z());
     return out;
 }
 
@@ -134,6 +183,8 @@ ClientMessage unpack_body(Scrutiny& check, const wire_fb::ClientEnvelope& e) {
         case wire_fb::ClientBody::SampleRequest: return table(e.body_as_SampleRequest());
         case wire_fb::ClientBody::RaysRequest: return table(e.body_as_RaysRequest());
         case wire_fb::ClientBody::Goodbye: return table(e.body_as_Goodbye());
+        case wire_fb::ClientBody::Probe: return table(e.body_as_Probe());
+        case wire_fb::ClientBody::Desync: return table(e.body_as_Desync());
         default:
             check.refuse(ErrorCode::unknown_message,
                          "the message is none that a client may send in this protocol version");

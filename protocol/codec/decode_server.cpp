@@ -69,12 +69,8 @@ ServerMessage unpack(Scrutiny& check, const wire_fb::ServerHello& m) {
     out.software = check.text("software", m.software(), longest_name);
     out.session = m.session();
     out.world = check.text("world", m.world(), longest_name);
-    if (const auto* instance = check.list("instance", m.instance(), out.instance.bytes.size())) {
-        check.require(instance->size() == out.instance.bytes.size(), "instance has not 16 bytes");
-        std::copy(instance->begin(), instance->end(), out.instance.bytes.begin());
-    }
-    check.require(m.role() == wire_fb::Role::viewer || m.role() == wire_fb::Role::director,
-                  "role is neither viewer nor director");
+    out.instance = unpack_instance(check, m.instance());
+    check.require(m.role() <= wire_fb::Role::admin, "role is none of viewer, director, admin");
     out.role = static_cast<Role>(m.role());
     out.log_position = {m.log_position()};
     out.clock = unpack(check, m.clock());
@@ -87,6 +83,13 @@ ServerMessage unpack(Scrutiny& check, const wire_fb::ServerHello& m) {
     out.origin_lon = check.within("origin_lon", m.origin_lon(), -180.0, 180.0);
     out.origin_lat = check.within("origin_lat", m.origin_lat(), -90.0, 90.0);
     out.terrain = unpack(check, m.terrain());
+    out.capabilities = m.capabilities();
+    out.resumed = m.resumed();
+    if (const auto* ticket = check.optional_list("ticket", m.ticket(), longest_ticket))
+        out.ticket.assign(ticket->begin(), ticket->end());
+    out.ticket_life_ms = m.ticket_life_ms();
+    out.last_session = m.last_session();
+    out.last_code = unpack(check, m.last_code());
     return out;
 }
 
@@ -236,6 +239,35 @@ ServerMessage unpack(Scrutiny& check, const wire_fb::RaysReply& m) {
     return out;
 }
 
+ServerMessage unpack(Scrutiny& check, const wire_fb::ProbeReply& m) {
+    ProbeReply out;
+    out.sequence = m.sequence();
+    out.result = m.result();
+    out.stale = m.stale();
+    out.time = check.sea_time("time_us", m.time_us());
+    const auto* samples = check.list("samples", m.samples(), most_probe_points);
+    const auto* counts = check.list("part_counts", m.part_counts(), most_probe_points);
+    const auto* parts = check.list("parts", m.parts(), most_probe_parts);
+    const auto* sums = check.list("sums", m.sums(), most_probe_parts);
+    if (check.refused()) return out;
+    check.require(samples->size() == counts->size(), "samples and part_counts differ in length");
+    check.require(parts->size() == sums->size(), "parts and sums differ in length");
+    check.require(!out.stale || samples->size() == 0, "a stale reply has points");
+    uint32_t next = 0;
+    for (uint32_t i = 0; i < samples->size() && !check.refused(); ++i) {
+        ProbedPoint point;
+        point.sample = samples->Get(i);
+        const uint32_t count = counts->Get(i);
+        check.require(count <= parts->size() - next, "the part_counts add up to more than parts holds");
+        for (uint32_t j = 0; j < count && !check.refused(); ++j, ++next)
+            point.parts.push_back({{parts->Get(next)->box()}, parts->Get(next)->part(), sums->Get(next)});
+        out.points.push_back(std::move(point));
+    }
+    check.require(check.refused() || next == parts->size(),
+                  "parts holds more than the part_counts add up to");
+    return out;
+}
+
 ServerMessage unpack_body(Scrutiny& check, const wire_fb::ServerEnvelope& e) {
     const auto table = [&](const auto* body) -> ServerMessage {
         return check.present("body", body) == nullptr ? ServerMessage{} : ServerMessage{unpack(check, *body)};
@@ -250,6 +282,7 @@ ServerMessage unpack_body(Scrutiny& check, const wire_fb::ServerEnvelope& e) {
         case wire_fb::ServerBody::SampleReply: return table(e.body_as_SampleReply());
         case wire_fb::ServerBody::RaysReply: return table(e.body_as_RaysReply());
         case wire_fb::ServerBody::Goodbye: return table(e.body_as_Goodbye());
+        case wire_fb::ServerBody::ProbeReply: return table(e.body_as_ProbeReply());
         default:
             check.refuse(ErrorCode::unknown_message,
                          "the message is none that a server may send in this protocol version");

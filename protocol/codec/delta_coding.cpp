@@ -9,31 +9,6 @@ namespace trochoid {
 
 namespace {
 
-flatbuffers::Offset<wire_fb::CullKey> pack(Builder& b, const CullKey& k) {
-    const auto regions = trochoid::pack(b, k.regions);
-    const auto anchor = trochoid::pack(k.anchor);
-    return wire_fb::CreateCullKey(b, &anchor, k.slack, k.slack_tangent, k.error_in_force_px, k.patch_limit,
-                                  regions, k.log_position.value, k.from.us, k.until.us);
-}
-
-CullKey unpack(Scrutiny& check, const wire_fb::CullKey* key) {
-    constexpr float large = 1.0e6F;
-    CullKey k;
-    if (check.present("key", key) == nullptr) return k;
-    if (const auto* anchor = check.present("key.anchor", key->anchor()))
-        k.anchor = trochoid::unpack(check, *anchor, widest_anchor);
-    k.slack = key->slack();
-    k.slack_tangent = check.within("key.slack_tangent", key->slack_tangent(), 0.0F, large);
-    k.error_in_force_px = check.within("key.error_in_force_px", key->error_in_force_px(), 0.0F, large);
-    k.patch_limit = check.within("key.patch_limit", key->patch_limit(), 0U, Limits{}.patches);
-    k.regions = unpack_regions(check, key->regions());
-    k.log_position = {key->log_position()};
-    k.from = check.sea_time("key.from_us", key->from_us());
-    k.until = check.sea_time("key.until_us", key->until_us());
-    check.require(k.from <= k.until, "key.until_us is before key.from_us");
-    return k;
-}
-
 /// An empty list is left out.
 template <class T>
 flatbuffers::Offset<flatbuffers::Vector<const T*>> structs(Builder& b, const std::vector<T>& list) {
@@ -157,15 +132,6 @@ void unpack_blocks(Scrutiny& check, const wire_fb::Delta& d, InterestDelta& chan
             change.blocks.push_back({{h->field()}, h->step_log2(), std::move(block)});
         }
     check.require(rest.empty(), "nodes holds more than the blocks' node_bytes add up to");
-}
-
-PatchKey unpack_patch_key(Scrutiny& check, uint8_t level, int32_t x, int32_t z) {
-    check.within("a patch's level", level, finest_patch_level, coarsest_patch_level);
-    if (check.refused()) return {};
-    const int32_t most = int32_t{1} << (35 - level);  // 2^35 is the world's bound
-    check.within("a patch's x", x, -most, most - 1);
-    check.within("a patch's z", z, -most, most - 1);
-    return {level, x, z};
 }
 
 void unpack_patches(Scrutiny& check, const wire_fb::Delta& d, InterestDelta& change) {

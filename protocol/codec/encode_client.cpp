@@ -20,18 +20,26 @@ struct ClientEncoder {
         const auto software = b.CreateString(m.software);
         const auto world = b.CreateString(m.world);
         const auto token = b.CreateString(m.token);
-        const auto regions = pack(b, m.regions);
-        const auto view = pack(m.view);
+        const auto regions = trochoid::pack(b, m.regions);
+        const auto view = trochoid::pack(m.view);
+        const auto ticket = m.ticket.empty() ? 0 : b.CreateVector(m.ticket);
+        const auto resume = m.resume ? pack(*m.resume) : 0;
         return as(wire_fb::ClientBody::ClientHello,
                   wire_fb::CreateClientHello(b, m.protocol_min, m.protocol_max, m.model, m.schema_hash,
-                                             software, world, token, &view, regions, m.clock_stamp_us));
+                                             software, world, token, &view, regions, m.clock_stamp_us,
+                                             m.capabilities, ticket, resume, trochoid::pack(m.last_code)));
+    }
+    flatbuffers::Offset<wire_fb::Resume> pack(const ResumeState& r) {
+        const auto instance = b.CreateVector(r.instance.bytes.data(), r.instance.bytes.size());
+        const auto key = trochoid::pack(b, r.key);
+        return wire_fb::CreateResume(b, instance, key, r.state_hash, r.log_position.value, r.log_hash);
     }
     flatbuffers::Offset<void> operator()(const ViewUpdate& m) {
-        const auto view = pack(m.view);
+        const auto view = trochoid::pack(m.view);
         return as(wire_fb::ClientBody::ViewUpdate, wire_fb::CreateViewUpdate(b, m.sequence, &view));
     }
     flatbuffers::Offset<void> operator()(const SyncRegions& m) {
-        const auto regions = pack(b, m.regions);
+        const auto regions = trochoid::pack(b, m.regions);
         return as(wire_fb::ClientBody::SyncRegions, wire_fb::CreateSyncRegions(b, m.sequence, regions));
     }
     flatbuffers::Offset<void> operator()(const ClockRequest& m) {
@@ -45,18 +53,32 @@ struct ClientEncoder {
     }
     flatbuffers::Offset<void> operator()(const Command& m);
     flatbuffers::Offset<void> operator()(const SampleRequest& m) {
-        std::vector<wire_fb::Point> points;
-        points.reserve(m.points.size());
-        for (const LatticePoint& p : m.points) points.emplace_back(p.x, p.z);
-        const auto points_at = b.CreateVectorOfStructs(points);
+        const auto points_at = pack(m.points);
         return as(wire_fb::ClientBody::SampleRequest,
                   wire_fb::CreateSampleRequest(b, m.sequence, m.time.us, points_at));
+    }
+    flatbuffers::Offset<flatbuffers::Vector<const wire_fb::Point*>> pack(
+        const std::vector<LatticePoint>& list) {
+        std::vector<wire_fb::Point> points;
+        points.reserve(list.size());
+        for (const LatticePoint& p : list) points.emplace_back(p.x, p.z);
+        return b.CreateVectorOfStructs(points);
+    }
+    flatbuffers::Offset<void> operator()(const Probe& m) {
+        const auto points_at = pack(m.points);
+        return as(wire_fb::ClientBody::Probe,
+                  wire_fb::CreateProbe(b, m.sequence, m.result, m.time.us, points_at));
+    }
+    flatbuffers::Offset<void> operator()(const Desync& m) {
+        const wire_fb::Difference difference(wire_fb::Point(m.at.x, m.at.z), m.time.us, m.expected, m.actual,
+                                             m.patch.x, m.patch.z, m.box.value, m.part, m.patch.level);
+        return as(wire_fb::ClientBody::Desync, wire_fb::CreateDesync(b, m.sequence, m.result, &difference));
     }
     flatbuffers::Offset<void> operator()(const RaysRequest& m) {
         return as(wire_fb::ClientBody::RaysRequest, wire_fb::CreateRaysRequest(b, m.sequence, m.box.value));
     }
     flatbuffers::Offset<void> operator()(const Goodbye& m) {
-        return as(wire_fb::ClientBody::Goodbye, pack(b, m));
+        return as(wire_fb::ClientBody::Goodbye, trochoid::pack(b, m));
     }
 };
 
@@ -80,6 +102,10 @@ struct ActionEncoder {
     flatbuffers::Offset<void> operator()(const SetRate& a) {
         tag = wire_fb::Action::SetRate;
         return wire_fb::CreateSetRate(b, a.rate_q16).Union();
+    }
+    flatbuffers::Offset<void> operator()(const SkipTime& a) {
+        tag = wire_fb::Action::SkipTime;
+        return wire_fb::CreateSkipTime(b, a.forward_us).Union();
     }
     flatbuffers::Offset<void> operator()(const StartShip& a) {
         tag = wire_fb::Action::StartShip;

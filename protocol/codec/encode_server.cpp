@@ -54,12 +54,14 @@ struct ServerEncoder {
         const wire_fb::Terrain terrain(m.terrain.origin_x, m.terrain.origin_z, m.terrain.spacing_log2,
                                        m.terrain.columns, m.terrain.rows, m.terrain.height_step_log2,
                                        m.terrain.open_sea_depth);
-        return as(
-            wire_fb::ServerBody::ServerHello,
-            wire_fb::CreateServerHello(b, m.protocol, m.model, m.schema_hash, software, m.session, world,
-                                       instance, static_cast<wire_fb::Role>(m.role), m.log_position.value,
-                                       &clock, m.client_stamp_us, m.server_now_us, limits, m.challenge_seed,
-                                       m.challenge_count, projection, m.origin_lon, m.origin_lat, &terrain));
+        const auto ticket = m.ticket.empty() ? 0 : b.CreateVector(m.ticket);
+        return as(wire_fb::ServerBody::ServerHello,
+                  wire_fb::CreateServerHello(
+                      b, m.protocol, m.model, m.schema_hash, software, m.session, world, instance,
+                      static_cast<wire_fb::Role>(m.role), m.log_position.value, &clock, m.client_stamp_us,
+                      m.server_now_us, limits, m.challenge_seed, m.challenge_count, projection, m.origin_lon,
+                      m.origin_lat, &terrain, m.capabilities, m.resumed, ticket, m.ticket_life_ms,
+                      m.last_session, trochoid::pack(m.last_code)));
     }
     flatbuffers::Offset<void> operator()(const ClockReply& m) {
         const auto clock = trochoid::pack(m.clock);
@@ -113,6 +115,27 @@ struct ServerEncoder {
         const auto points_at = b.CreateVectorOfStructs(points);
         return as(wire_fb::ServerBody::RaysReply,
                   wire_fb::CreateRaysReply(b, m.sequence, m.box.value, rays_at, points_at, m.last));
+    }
+    flatbuffers::Offset<void> operator()(const ProbeReply& m) {
+        std::vector<uint64_t> samples;
+        std::vector<uint16_t> counts;
+        std::vector<wire_fb::Part> parts;
+        std::vector<uint64_t> sums;
+        for (const ProbedPoint& point : m.points) {
+            samples.push_back(point.sample);
+            counts.push_back(static_cast<uint16_t>(point.parts.size()));
+            for (const ProbePart& part : point.parts) {
+                parts.emplace_back(part.box.value, part.part);
+                sums.push_back(part.sum);
+            }
+        }
+        const auto samples_at = b.CreateVector(samples);
+        const auto counts_at = b.CreateVector(counts);
+        const auto parts_at = b.CreateVectorOfStructs(parts);
+        const auto sums_at = b.CreateVector(sums);
+        return as(wire_fb::ServerBody::ProbeReply,
+                  wire_fb::CreateProbeReply(b, m.sequence, m.result, m.stale, m.time.us, samples_at,
+                                            counts_at, parts_at, sums_at));
     }
     flatbuffers::Offset<void> operator()(const Goodbye& m) {
         return as(wire_fb::ServerBody::Goodbye, trochoid::pack(b, m));

@@ -15,7 +15,16 @@
 // The messages as values; codec.hpp turns them into bytes and back. The standard is protocol/README.md.
 namespace trochoid {
 
-enum class Role : uint8_t { viewer = 0, director = 1 };
+/// Each may all that those before it may. Only an admin moves time (SetRate, SkipTime).
+enum class Role : uint8_t { viewer = 0, director = 1, admin = 2 };
+
+/// What an end of a session can do beyond protocol version 2; the bits of both hellos.
+inline constexpr uint64_t capability_probes = 1;
+inline constexpr uint64_t capability_resume = 2;
+inline constexpr size_t longest_ticket = 512;  ///< bytes
+inline constexpr size_t most_probe_points = 16;
+/// Of all points of a reply together: 14 KiB.
+inline constexpr size_t most_probe_parts = 896;
 
 /// Limits in force, stated in the server hello (protocol/README.md, "Limits").
 struct Limits {
@@ -40,6 +49,16 @@ struct Limits {
 
 // ---- client to server ----
 
+/// What a client still holds from an earlier session, of whichever node of the world.
+struct ResumeState {
+    WorldInstance instance;
+    CullKey key;               ///< of the last result applied whole
+    uint64_t state_hash = 0;   ///< of what the client holds
+    LogPosition log_position;  ///< the last that a server told, and
+    uint64_t log_hash = 0;     ///< the rolling hash there
+    bool operator==(const ResumeState&) const = default;
+};
+
 struct ClientHello {
     uint16_t protocol_min = 0;
     uint16_t protocol_max = 0;
@@ -51,6 +70,10 @@ struct ClientHello {
     ViewState view;
     std::vector<SyncRegion> regions;
     int64_t clock_stamp_us = 0;  ///< client's monotonic clock at sending
+    uint64_t capabilities = 0;
+    std::vector<uint8_t> ticket;  ///< of an earlier session, in place of a token; empty: none
+    std::optional<ResumeState> resume;
+    ErrorCode last_code = ErrorCode::none;  ///< how the client's last session ended
     bool operator==(const ClientHello&) const = default;
 };
 
@@ -156,11 +179,17 @@ struct SetRate {
     uint32_t rate_q16 = 1U << 16;
     bool operator==(const SetRate&) const = default;
 };
+/// Sea time goes on from later: a new epoch. For admins.
+inline constexpr int64_t longest_skip_us = int64_t{1} << 50;
+struct SkipTime {
+    int64_t forward_us = 1;  ///< 1 to longest_skip_us
+    bool operator==(const SkipTime&) const = default;
+};
 struct Command {
     uint32_t sequence = 0;
     SeaTime at;                   ///< asked effective time; the past means "as soon as possible"
     bool refuse_if_late = false;  ///< refuse instead of deferring when `at` cannot be met
-    std::variant<StartWind, StopWind, ListBoxes, SetRate, StartShip, Steer, ChangeLand> action;
+    std::variant<StartWind, StopWind, ListBoxes, SetRate, StartShip, Steer, ChangeLand, SkipTime> action;
     bool operator==(const Command&) const = default;
 };
 
@@ -177,6 +206,29 @@ struct RaysRequest {
     uint32_t sequence = 0;
     BoxId box;
     bool operator==(const RaysRequest&) const = default;
+};
+
+/// Asks for the sums that the sea at these points is made of, from what the client holds after a result.
+struct Probe {
+    uint32_t sequence = 0;
+    uint32_t result = 0;  ///< last one applied whole
+    SeaTime time;
+    std::vector<LatticePoint> points;  ///< 1 to most_probe_points
+    bool operator==(const Probe&) const = default;
+};
+
+/// The first part of a sum in which client and server differ (protocol/README.md, "Probes").
+struct Desync {
+    uint32_t sequence = 0;
+    uint32_t result = 0;
+    SeaTime time;
+    LatticePoint at;
+    PatchKey patch;
+    BoxId box;
+    uint16_t part = 0;      ///< as in ProbeReply
+    uint64_t expected = 0;  ///< by the server
+    uint64_t actual = 0;    ///< by the client
+    bool operator==(const Desync&) const = default;
 };
 
 // ---- both ways ----
@@ -225,6 +277,12 @@ struct ServerHello {
     double origin_lon = 0.0;  ///< degrees, of x = z = 0
     double origin_lat = 0.0;
     TerrainInfo terrain;
+    uint64_t capabilities = 0;
+    bool resumed = false;         ///< what the client holds counts as result 1
+    std::vector<uint8_t> ticket;  ///< for the next hello; empty: none
+    uint32_t ticket_life_ms = 0;
+    uint64_t last_session = 0;              ///< of the ticket that came, 0: none
+    ErrorCode last_code = ErrorCode::none;  ///< how the server saw that session end
     bool operator==(const ServerHello&) const = default;
 };
 
@@ -318,10 +376,31 @@ struct RaysReply {
     bool operator==(const RaysReply&) const = default;
 };
 
+/// A part of the sum at a point: train `part` of the box, counted from 0, or what follows its trains.
+struct ProbePart {
+    BoxId box;
+    uint16_t part = 0;
+    uint64_t sum = 0;  ///< hash of the sums after it
+    bool operator==(const ProbePart&) const = default;
+};
+struct ProbedPoint {
+    uint64_t sample = 0;           ///< hash of the 15 floats
+    std::vector<ProbePart> parts;  ///< in the order of the sum
+    bool operator==(const ProbedPoint&) const = default;
+};
+struct ProbeReply {
+    uint32_t sequence = 0;
+    uint32_t result = 0;
+    bool stale = false;  ///< another result counts by now: no points
+    SeaTime time;
+    std::vector<ProbedPoint> points;
+    bool operator==(const ProbeReply&) const = default;
+};
+
 using ClientMessage = std::variant<ClientHello, ViewUpdate, SyncRegions, ClockRequest, Ack, Command,
-                                   SampleRequest, RaysRequest, Goodbye>;
+                                   SampleRequest, RaysRequest, Goodbye, Probe, Desync>;
 using ServerMessage = std::variant<ServerHello, ClockReply, Delta, TerrainTiles, CommandReply, BoxList,
-                                   SampleReply, RaysReply, Goodbye>;
+                                   SampleReply, RaysReply, Goodbye, ProbeReply>;
 
 // ---- the event log: the bytes that the journal stores ----
 

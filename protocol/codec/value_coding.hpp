@@ -49,7 +49,16 @@ WaveTrainBox unpack(Scrutiny& check, const wire_fb::Box& box);
 flatbuffers::Offset<wire_fb::Goodbye> pack(Builder& builder, const Goodbye& goodbye);
 Goodbye unpack(Scrutiny& check, const wire_fb::Goodbye& goodbye);
 
+flatbuffers::Offset<wire_fb::CullKey> pack(Builder& builder, const CullKey& key);
+CullKey unpack(Scrutiny& check, const wire_fb::CullKey* key);
+
+PatchKey unpack_patch_key(Scrutiny& check, uint8_t level, int32_t x, int32_t z);
+
+/// 16 bytes.
+WorldInstance unpack_instance(Scrutiny& check, const flatbuffers::Vector<uint8_t>* instance);
+
 wire_fb::Code pack(ErrorCode code);
+/// Codes of later versions pass as they are, where their class is known.
 ErrorCode unpack(Scrutiny& check, wire_fb::Code code);
 
 }  // namespace trochoid

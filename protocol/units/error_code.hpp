@@ -29,6 +29,7 @@ enum class ErrorCode : uint16_t {
     // 3xx auth
     token_required = 301,
     token_refused = 302,
+    encryption_required = 303,
     // 4xx resource
     too_many_sessions = 401,
     rate_limited = 402,
@@ -41,6 +42,7 @@ enum class ErrorCode : uint16_t {
     too_many_legs = 409,
     too_much_land =
         410,  // more land blocks than whoever says so is set up to hold; nobody broke the standard
+    too_many_connections = 411,
     // 5xx session
     client_closed = 501,
     // 6xx world
@@ -54,6 +56,9 @@ enum class ErrorCode : uint16_t {
     shutting_down = 701,
     internal_error = 702,
 };
+
+/// Whether the number is a code of a class that the standard has: those that this version does not know count as their class.
+constexpr bool is_a_code(uint16_t number) { return number == 0 || (number > 100 && number < 800); }
 
 /// The class of a code as named in Goodbye: "protocol", "version", "auth", "resource", "session", "world", "server".
 constexpr std::string_view error_class(ErrorCode code) {

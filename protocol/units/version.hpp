@@ -10,7 +10,7 @@ std::string_view software_version();
 
 /// Range of wire protocol versions that this build speaks.
 inline constexpr uint16_t protocol_version_min = 2;
-inline constexpr uint16_t protocol_version_max = 2;
+inline constexpr uint16_t protocol_version_max = 3;
 
 /// Version of the deterministic sea (protocol/README.md, "The sea"). A different one computes another sea.
 inline constexpr uint16_t model_version = 2;

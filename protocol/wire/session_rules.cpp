@@ -54,8 +54,13 @@ SessionPhase phase_after(SessionPhase phase, const ServerMessage& message) {
 
 Result<Done> permitted(Role role, const ClientMessage& message) {
     const auto* command = std::get_if<Command>(&message);
-    if (command == nullptr || role == Role::director || std::holds_alternative<ListBoxes>(command->action))
+    if (command == nullptr || role == Role::admin || std::holds_alternative<ListBoxes>(command->action))
         return Done{};
+    const bool moves_time =
+        std::holds_alternative<SetRate>(command->action) || std::holds_alternative<SkipTime>(command->action);
+    if (moves_time)
+        return Error{ErrorCode::token_required, "moving time needs an admin's token in the hello"};
+    if (role == Role::director) return Done{};
     return Error{ErrorCode::token_required,
                  "commands that change the world need a director's token in the hello"};
 }

@@ -50,7 +50,7 @@ Result<Role> DirectorToken::role_for(const std::string& given) const {
         return Error{
             ErrorCode::token_refused,
             "this is not the director's token: use the file that the server was started with, or connect without one"};
-    return Role::director;
+    return Role::admin;
 }
 
 }  // namespace trochoid

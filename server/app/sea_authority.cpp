@@ -211,6 +211,13 @@ CommandReply SeaAuthority::carry_out(const SetRate& rate, const Command& command
     return commit(command, single({0, planned->clock.start, *planned}, {}), {});
 }
 
+// Like a rate at once; what was still to come before the new present has then happened.
+CommandReply SeaAuthority::carry_out(const SkipTime& skip, const Command& command) {
+    const Result<ClockChanged> planned = world_.plan(skip, monotonic_us());
+    if (!planned) return refused(command, planned.error());
+    return commit(command, single({0, planned->clock.start, *planned}, {}), {});
+}
+
 CommandReply SeaAuthority::commit(const Command& command, std::vector<Planned> planned, BoxId box) {
     CommandReply reply;
     reply.sequence = command.sequence;

@@ -62,6 +62,7 @@ private:
     CommandReply carry_out(const Command& command);
     CommandReply carry_out(const StopWind& stop, const Command& command);
     CommandReply carry_out(const SetRate& rate, const Command& command);
+    CommandReply carry_out(const SkipTime& skip, const Command& command);
     CommandReply carry_out(const StartShip& ship, const Command& command);
     CommandReply carry_out(const Steer& steer, const Command& command);
     std::optional<CommandReply> start_on_open_water(const StartWind& wind, const Command& command);

@@ -75,7 +75,9 @@ void Session::end(ErrorCode code, const std::string& reason) {
 void Session::log_start() const {
     spdlog::info("session {} from {} started: {}, {}", id_, peer_,
                  software_.empty() ? "unnamed client" : software_,
-                 role_ == Role::director ? "director" : "viewer");
+                 role_ == Role::admin      ? "admin"
+                 : role_ == Role::director ? "director"
+                                           : "viewer");
 }
 
 void Session::sea_changed() {

@@ -75,6 +75,8 @@ private:
     void handle(const Command& command);
     void handle(SampleRequest& request);
     void handle(const RaysRequest& request);
+    void handle(const Probe& probe);
+    void handle(const Desync& desync);
     void handle(const Goodbye& goodbye);
     Result<Role> welcome(const ClientHello& hello) const;
     Result<Done> fits(const std::vector<SyncRegion>& regions) const;

@@ -141,7 +141,7 @@ ServerHello Session::server_hello(const ClientHello& hello) {
     challenge_open_ = true;
     has_terrain_ = facts.terrain.columns > 0;
     ServerHello reply;
-    reply.protocol = protocol_version_max;
+    reply.protocol = *common_version(hello);
     reply.model = model_version;
     reply.schema_hash = schema_hash();
     reply.software = fmt::format("trochoid-server {}", software_version());
@@ -287,6 +287,18 @@ void Session::handle(const Command& command) {
 void Session::handle(SampleRequest& request) { answers_.ask(std::move(request)); }
 
 void Session::handle(const RaysRequest& request) { answers_.ask(request); }
+
+// Our hello promises no probes.
+void Session::handle(const Probe& probe) {
+    refuse({ErrorCode::unexpected_message, "this server answers no probes: its hello does not promise them"},
+           probe.sequence);
+}
+
+void Session::handle(const Desync& desync) {
+    refuse({ErrorCode::unexpected_message,
+            "this server has answered no probe that could have found a difference"},
+           desync.sequence);
+}
 
 void Session::handle(const Goodbye& goodbye) {
     end(goodbye.code == ErrorCode::none ? ErrorCode::client_closed : goodbye.code,

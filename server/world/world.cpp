@@ -288,6 +288,19 @@ Result<ClockChanged> World::plan(const SetRate& rate, int64_t monotonic_us) cons
     return ClockChanged{{old.epoch + 1, sea_time_at(old, monotonic_us), monotonic_us, rate.rate_q16}};
 }
 
+Result<ClockChanged> World::plan(const SkipTime& skip, int64_t monotonic_us) const {
+    const SeaClock& old = state_->clock;
+    const SeaTime present = sea_time_at(old, monotonic_us);
+    // Room for what the clock runs on after it, at any rate.
+    constexpr int64_t latest_us = sea_time_bound / 2;
+    if (skip.forward_us < 1 || skip.forward_us > longest_skip_us || present.us > latest_us - skip.forward_us)
+        return Error{
+            ErrorCode::value_out_of_range,
+            fmt::format("time cannot be skipped by {} us: give 1 to {} us, as far as the world's time goes",
+                        skip.forward_us, longest_skip_us)};
+    return ClockChanged{{old.epoch + 1, present + skip.forward_us, monotonic_us, old.rate_q16}};
+}
+
 SeaTime World::land_settled() const {
     SeaTime settled{-sea_time_bound};
     for (const auto& [id, box] : state_->boxes)

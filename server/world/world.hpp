@@ -87,6 +87,8 @@ public:
     /// A new rate from a moment of the server's monotonic clock on; sea time is continuous there. To be applied when that
     /// moment has come. Errors: value_out_of_range.
     Result<ClockChanged> plan(const SetRate& rate, int64_t monotonic_us) const;
+    /// Sea time goes on later, at the same rate. value_out_of_range beyond longest_skip_us and the end of time.
+    Result<ClockChanged> plan(const SkipTime& skip, int64_t monotonic_us) const;
 
     /// When the land may change next: while boxes still cross-fade from the last change it may not.
     SeaTime land_settled() const;

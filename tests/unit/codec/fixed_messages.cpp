@@ -28,6 +28,26 @@ ClientHello client_hello() {
     return h;
 }
 
+/// Of a client that comes again.
+ClientHello client_hello_again() {
+    ClientHello h = client_hello();
+    h.protocol_max = 3;
+    h.capabilities = capability_probes | capability_resume;
+    for (uint8_t i = 0; i < 40; ++i) h.ticket.push_back(static_cast<uint8_t>(3 * i));
+    ResumeState& r = h.resume.emplace();
+    for (size_t i = 0; i < 16; ++i) r.instance.bytes[i] = static_cast<uint8_t>(17 * i);
+    r.key.anchor = fixed_view();
+    r.key.slack = 4096;
+    r.key.regions = h.regions;
+    r.key.log_position = {3};
+    r.key.until = {60'000'000};
+    r.state_hash = 0x2222;
+    r.log_position = {4};
+    r.log_hash = 0x4444;
+    h.last_code = ErrorCode::shutting_down;
+    return h;
+}
+
 Command start_wind() {
     StartWind w;
     w.speed = 12.5F;
@@ -105,6 +125,27 @@ ServerHello server_hello() {
     h.origin_lat = 60.5;
     h.terrain = {-65536, 131072, 15, 513, 257, 5, -61440};
     return h;
+}
+
+ServerHello server_hello_again() {
+    ServerHello h = server_hello();
+    h.protocol = 3;
+    h.role = Role::admin;
+    h.capabilities = capability_probes | capability_resume;
+    h.resumed = true;
+    for (uint8_t i = 0; i < 40; ++i) h.ticket.push_back(static_cast<uint8_t>(255 - i));
+    h.ticket_life_ms = 600'000;
+    h.last_session = 98;
+    h.last_code = ErrorCode::no_progress;
+    return h;
+}
+
+ProbeReply probe_reply() {
+    return {12,
+            5,
+            false,
+            {77'000'000},
+            {{0x1111, {{{1}, 0, 0x2222}, {{1}, 1, 0x3333}}}, {0x4444, {}}, {0x5555, {{{13}, 0, 0x6666}}}}};
 }
 
 /// The first and the last block of a field.
@@ -190,14 +231,21 @@ SampleReply samples() {
 
 std::vector<FixedMessage> fixed_messages() {
     const StartShip ship{{4096, -8192}, 67.5F, 10.0F, 120.0F, 18.0F, "MS M\xc3\xa5ke"};
-    const ClientMessage client[] = {client_hello(),
-                                    ViewUpdate{2, fixed_view()},
-                                    Ack{5, 0x2222, 900, 0x3333},
-                                    start_wind(),
-                                    Command{8, {2'000'000}, false, ship},
-                                    Command{9, {3'000'000}, false, Steer{{13}, 90.0F, 7.5F}},
-                                    Command{10, {4'000'000}, true, breakwater()}};
-    const char* client_names[] = {"hello", "view", "ack", "start_wind", "start_ship", "steer", "change_land"};
+    const ClientMessage client[] = {
+        client_hello(),
+        ViewUpdate{2, fixed_view()},
+        Ack{5, 0x2222, 900, 0x3333},
+        start_wind(),
+        Command{8, {2'000'000}, false, ship},
+        Command{9, {3'000'000}, false, Steer{{13}, 90.0F, 7.5F}},
+        Command{10, {4'000'000}, true, breakwater()},
+        client_hello_again(),
+        Command{11, {5'000'000}, false, SkipTime{600'000'000}},
+        Probe{12, 5, {77'000'000}, {{100'003, -51'001}, {4096, -8192}}},
+        Desync{13, 5, {77'000'000}, {100'003, -51'001}, {16, 1, -1}, {12}, 2, 0x7777, 0x8888}};
+    const char* client_names[] = {"hello",      "view",  "ack",         "start_wind",
+                                  "start_ship", "steer", "change_land", "hello_again",
+                                  "skip_time",  "probe", "desync"};
     const BoxList list{4, {9'000'000}, {summary()}, true};
     const ServerMessage server[] = {
         server_hello(),
@@ -206,9 +254,11 @@ std::vector<FixedMessage> fixed_messages() {
         tiles(),
         samples(),
         list,
-        Goodbye{ErrorCode::shutting_down, "come back in a second", true, 1000, 0, 0}};
-    const char* server_names[] = {"hello",    "delta",  "delta_of_laden_boxes", "terrain_tile", "samples",
-                                  "box_list", "goodbye"};
+        Goodbye{ErrorCode::shutting_down, "come back in a second", true, 1000, 0, 0},
+        server_hello_again(),
+        probe_reply()};
+    const char* server_names[] = {"hello",    "delta",   "delta_of_laden_boxes", "terrain_tile", "samples",
+                                  "box_list", "goodbye", "hello_again",          "probe_reply"};
     std::vector<FixedMessage> all;
     for (size_t i = 0; i < std::size(client); ++i)
         all.push_back({"client", client_names[i], encode(client[i])});

@@ -14,7 +14,7 @@ namespace {
 
 constexpr const char* file_name = TROCHOID_SOURCE_DIR "/tests/golden/wire_messages.txt";
 constexpr const char* head =
-    "# Trochoid golden messages, protocol version 2: one FlatBuffer a line, as encode() writes it.\n"
+    "# Trochoid golden messages, protocol version 3: one FlatBuffer a line, as encode() writes it.\n"
     "# DIRECTION NAME BYTES          client (TRCC), server (TRCS) or event (TRLE); bytes as hex\n"
     "# Another encoder may lay a buffer out otherwise; every decoder must read these.\n";
 

@@ -158,7 +158,7 @@ TEST(HostileClient, Commands) {
               ErrorCode::value_out_of_range);
     EXPECT_EQ(refusal(encode(ClientMessage{Command{1, {INT64_MAX}, false, ListBoxes{}}})),
               ErrorCode::value_out_of_range);
-    EXPECT_EQ(refusal(encode(ClientMessage{Goodbye{static_cast<ErrorCode>(115), "", false, 0, 0, 0}})),
+    EXPECT_EQ(refusal(encode(ClientMessage{Goodbye{static_cast<ErrorCode>(815), "", false, 0, 0, 0}})),
               ErrorCode::value_out_of_range);
 }
 
@@ -225,7 +225,7 @@ TEST(HostileClient, UnknownTagsAndMissingParts) {
     using wire_fb::ClientBody;
     const auto clock = [](Builder& b) { return wire_fb::CreateClockRequest(b, 1, 2).Union(); };
     EXPECT_EQ(refusal(built(ClientBody::ClockRequest, clock)), ErrorCode::none);
-    EXPECT_EQ(refusal(built(static_cast<ClientBody>(10), clock)), ErrorCode::unknown_message);
+    EXPECT_EQ(refusal(built(static_cast<ClientBody>(12), clock)), ErrorCode::unknown_message);
     EXPECT_EQ(refusal(built(static_cast<ClientBody>(255), clock)), ErrorCode::unknown_message);
     EXPECT_EQ(refusal(built(ClientBody::NONE, clock)), ErrorCode::unknown_message);
     EXPECT_EQ(refusal(built(ClientBody::ClockRequest, [](Builder&) { return Offset(0); })),

@@ -316,7 +316,7 @@ TEST(HostileServer, Hello) {
     };
     is(ErrorCode::none, [](ServerHello&) {});
     is(ErrorCode::value_out_of_range, [](ServerHello& h) { h.protocol = 0; });
-    is(ErrorCode::value_out_of_range, [](ServerHello& h) { h.role = static_cast<Role>(2); });
+    is(ErrorCode::value_out_of_range, [](ServerHello& h) { h.role = static_cast<Role>(3); });
     is(ErrorCode::value_out_of_range, [](ServerHello& h) { h.clock.epoch = 0; });
     is(ErrorCode::value_out_of_range, [](ServerHello& h) { h.clock.rate_q16 = (16U << 16) + 1; });
     is(ErrorCode::value_out_of_range, [](ServerHello& h) { h.clock.monotonic_start_us = INT64_MIN; });
@@ -390,14 +390,13 @@ TEST(HostileServer, TilesAndReplies) {
 }
 
 TEST(HostileServer, EveryCodeOfTheStandardTravels) {
-    int known = 0;
     for (uint32_t code = 0; code <= UINT16_MAX; ++code) {
         Goodbye g;
         g.code = static_cast<ErrorCode>(code);
-        if (refusal(ServerMessage{g}) == ErrorCode::none) ++known;
+        // Codes of later versions count as their class; there are seven.
+        const bool of_a_class = code == 0 || (code > 100 && code < 800);
+        EXPECT_EQ(refusal(ServerMessage{g}) == ErrorCode::none, of_a_class) << code;
     }
-    // As many as ErrorCode has; a new one needs the schema's enum Code as well.
-    EXPECT_EQ(known, 38);
     for (const ErrorCode code : {ErrorCode::base_mismatch, ErrorCode::queue_overflow, ErrorCode::too_late,
                                  ErrorCode::internal_error})
         EXPECT_EQ(refusal(ServerMessage{Goodbye{code, "x", false, 0, 0, 0}}), ErrorCode::none);

@@ -94,9 +94,10 @@ SeaClock clock(Dice& d) {
 
 ErrorCode code(Dice& d) {
     static constexpr ErrorCode some[] = {
-        ErrorCode::none,          ErrorCode::wrong_magic, ErrorCode::token_required, ErrorCode::rate_limited,
-        ErrorCode::client_closed, ErrorCode::too_late,    ErrorCode::internal_error};
-    return some[d.between(0, 6)];
+        ErrorCode::none,           ErrorCode::wrong_magic,     ErrorCode::token_required,
+        ErrorCode::rate_limited,   ErrorCode::client_closed,   ErrorCode::too_late,
+        ErrorCode::internal_error, static_cast<ErrorCode>(499)};  // of a later version
+    return some[d.between(0, 7)];
 }
 
 Goodbye goodbye(Dice& d) {
@@ -105,50 +106,17 @@ Goodbye goodbye(Dice& d) {
 
 Command command(Dice& d) {
     Command c{d.any<uint32_t>(), sea_time(d), d.coin(), ListBoxes{}};
-    switch (d.between(0, 6)) {
+    switch (d.between(0, 7)) {
         case 0: c.action = wind(d); break;
         case 3: c.action = ship(d); break;
         case 4: c.action = Steer{{d.any<uint32_t>()}, d.real(0.0F, 359.9F), d.real(0.0F, 100.0F)}; break;
         case 5: c.action = land_change(d); break;
+        case 6: c.action = SkipTime{d.between(1, longest_skip_us)}; break;
         case 1: c.action = StopWind{{d.any<uint32_t>()}}; break;
         case 2: c.action = SetRate{static_cast<uint32_t>(d.between(0, 16 << 16))}; break;
         default: break;
     }
     return c;
-}
-
-ServerHello server_hello(Dice& d) {
-    ServerHello h;
-    h.protocol = static_cast<uint16_t>(d.between(1, 65535));
-    h.model = d.any<uint16_t>();
-    h.schema_hash = d.bits();
-    h.software = text(d, 256);
-    h.session = d.bits();
-    h.world = text(d, 256);
-    for (uint8_t& b : h.instance.bytes) b = d.any<uint8_t>();
-    h.role = d.coin() ? Role::director : Role::viewer;
-    h.log_position = {d.bits()};
-    h.clock = clock(d);
-    h.client_stamp_us = stamp(d);
-    h.server_now_us = stamp(d);
-    h.limits.frame_after_login = static_cast<uint32_t>(d.between(1024, 1 << 24));
-    h.limits.views_per_second = d.any<uint32_t>();
-    h.limits.command_lead_ms = d.any<uint32_t>();
-    h.challenge_seed = d.bits();
-    h.challenge_count = static_cast<uint32_t>(d.between(0, 65536));
-    h.projection = text(d, 4096);
-    h.origin_lon = static_cast<double>(d.real(-180.0F, 180.0F));
-    h.origin_lat = static_cast<double>(d.real(-90.0F, 90.0F));
-    if (d.coin()) return h;
-    TerrainInfo& t = h.terrain;
-    t.spacing_log2 = static_cast<uint32_t>(d.between(0, 20));
-    t.columns = static_cast<uint32_t>(d.between(2, 16385));
-    t.rows = static_cast<uint32_t>(d.between(2, 16385));
-    t.height_step_log2 = static_cast<int32_t>(d.between(0, 10));
-    t.open_sea_depth = static_cast<int32_t>(d.between(-(1 << 24), -1));
-    t.origin_x = d.between(-1000, 1000) << t.spacing_log2;
-    t.origin_z = d.between(-1000, 1000) << t.spacing_log2;
-    return h;
 }
 
 CullKey cull_key(Dice& d) {
@@ -163,6 +131,104 @@ CullKey cull_key(Dice& d) {
     k.from = sea_time(d);
     k.until = {d.between(k.from.us, sea_time_bound)};
     return k;
+}
+
+std::vector<uint8_t> ticket(Dice& d) {
+    std::vector<uint8_t> out(static_cast<size_t>(d.between(0, longest_ticket)));
+    for (uint8_t& b : out) b = d.any<uint8_t>();
+    return out;
+}
+
+ClientHello client_hello(Dice& d) {
+    ClientHello h;
+    h.protocol_min = 1;
+    h.protocol_max = static_cast<uint16_t>(d.between(1, 65535));
+    h.model = d.any<uint16_t>();
+    h.schema_hash = d.bits();
+    h.software = text(d, 256);
+    h.world = text(d, 256);
+    h.token = text(d, 1024);
+    h.view = view(d);
+    h.regions = regions(d);
+    h.clock_stamp_us = stamp(d);
+    h.capabilities = d.bits();
+    h.ticket = ticket(d);
+    h.last_code = code(d);
+    if (d.coin()) return h;
+    ResumeState& r = h.resume.emplace();
+    for (uint8_t& b : r.instance.bytes) b = d.any<uint8_t>();
+    r.key = cull_key(d);
+    r.state_hash = d.bits();
+    r.log_position = {d.bits()};
+    r.log_hash = d.bits();
+    return h;
+}
+
+Desync desync(Dice& d) {
+    const auto level = static_cast<uint8_t>(d.between(finest_patch_level, coarsest_patch_level));
+    const int64_t most = int64_t{1} << (35 - level);
+    return {d.any<uint32_t>(),
+            d.any<uint32_t>(),
+            sea_time(d),
+            place(d),
+            {level, static_cast<int32_t>(d.between(-most, most - 1)),
+             static_cast<int32_t>(d.between(-most, most - 1))},
+            {d.any<uint32_t>()},
+            d.any<uint16_t>(),
+            d.bits(),
+            d.bits()};
+}
+
+ProbeReply probe_reply(Dice& d) {
+    ProbeReply r{d.any<uint32_t>(), d.any<uint32_t>(), d.coin(), sea_time(d), {}};
+    if (r.stale) return r;
+    r.points.resize(static_cast<size_t>(d.between(0, most_probe_points)));
+    for (ProbedPoint& point : r.points) {
+        point.sample = d.bits();
+        point.parts.resize(static_cast<size_t>(d.between(0, most_probe_parts / most_probe_points)));
+        for (ProbePart& part : point.parts) part = {{d.any<uint32_t>()}, d.any<uint16_t>(), d.bits()};
+    }
+    return r;
+}
+
+ServerHello server_hello(Dice& d) {
+    ServerHello h;
+    h.protocol = static_cast<uint16_t>(d.between(1, 65535));
+    h.model = d.any<uint16_t>();
+    h.schema_hash = d.bits();
+    h.software = text(d, 256);
+    h.session = d.bits();
+    h.world = text(d, 256);
+    for (uint8_t& b : h.instance.bytes) b = d.any<uint8_t>();
+    h.role = static_cast<Role>(d.between(0, 2));
+    h.log_position = {d.bits()};
+    h.clock = clock(d);
+    h.client_stamp_us = stamp(d);
+    h.server_now_us = stamp(d);
+    h.limits.frame_after_login = static_cast<uint32_t>(d.between(1024, 1 << 24));
+    h.limits.views_per_second = d.any<uint32_t>();
+    h.limits.command_lead_ms = d.any<uint32_t>();
+    h.challenge_seed = d.bits();
+    h.challenge_count = static_cast<uint32_t>(d.between(0, 65536));
+    h.projection = text(d, 4096);
+    h.origin_lon = static_cast<double>(d.real(-180.0F, 180.0F));
+    h.origin_lat = static_cast<double>(d.real(-90.0F, 90.0F));
+    h.capabilities = d.bits();
+    h.resumed = d.coin();
+    h.ticket = ticket(d);
+    h.ticket_life_ms = d.any<uint32_t>();
+    h.last_session = d.bits();
+    h.last_code = code(d);
+    if (d.coin()) return h;
+    TerrainInfo& t = h.terrain;
+    t.spacing_log2 = static_cast<uint32_t>(d.between(0, 20));
+    t.columns = static_cast<uint32_t>(d.between(2, 16385));
+    t.rows = static_cast<uint32_t>(d.between(2, 16385));
+    t.height_step_log2 = static_cast<int32_t>(d.between(0, 10));
+    t.open_sea_depth = static_cast<int32_t>(d.between(-(1 << 24), -1));
+    t.origin_x = d.between(-1000, 1000) << t.spacing_log2;
+    t.origin_z = d.between(-1000, 1000) << t.spacing_log2;
+    return h;
 }
 
 Delta delta(Dice& d) {
@@ -415,19 +481,7 @@ InterestDelta random_change(Dice& d, size_t boxes, size_t blocks, size_t patches
 
 ClientMessage random_client_message(Dice& d, size_t index) {
     switch (index) {
-        case 0: {
-            ClientHello h{1,
-                          static_cast<uint16_t>(d.between(1, 65535)),
-                          d.any<uint16_t>(),
-                          d.bits(),
-                          text(d, 256),
-                          text(d, 256),
-                          text(d, 1024),
-                          view(d),
-                          regions(d),
-                          stamp(d)};
-            return h;
-        }
+        case 0: return client_hello(d);
         case 1: return ViewUpdate{d.any<uint32_t>(), view(d)};
         case 2: return SyncRegions{d.any<uint32_t>(), regions(d)};
         case 3: return ClockRequest{d.any<uint32_t>(), stamp(d)};
@@ -439,6 +493,13 @@ ClientMessage random_client_message(Dice& d, size_t index) {
         case 5: return command(d);
         case 6: return SampleRequest{d.any<uint32_t>(), sea_time(d), list<LatticePoint>(d, 240, place)};
         case 7: return RaysRequest{d.any<uint32_t>(), {d.any<uint32_t>()}};
+        case 9: {
+            const auto points = static_cast<size_t>(d.between(1, most_probe_points));
+            Probe probe{d.any<uint32_t>(), static_cast<uint32_t>(d.between(1, UINT32_MAX)), sea_time(d), {}};
+            for (size_t i = 0; i < points; ++i) probe.points.push_back(place(d));
+            return probe;
+        }
+        case 10: return desync(d);
         default: return goodbye(d);
     }
 }
@@ -463,6 +524,7 @@ ServerMessage random_server_message(Dice& d, size_t index) {
             return SampleReply{
                 d.any<uint32_t>(), sea_time(d), {d.bits()}, list<SurfaceSample>(d, 240, sample)};
         case 7: return RaysReply{d.any<uint32_t>(), {d.any<uint32_t>()}, list<WaveRay>(d, 40, ray), d.coin()};
+        case 9: return probe_reply(d);
         default: return goodbye(d);
     }
 }

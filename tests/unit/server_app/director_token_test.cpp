@@ -19,7 +19,7 @@ TEST(DirectorTokens, FirstLineWithoutBlanksIsTheToken) {
     const DirectorToken token(file_with("  0123456789abcdef\t\r\nsecond line\n"));
     const auto role = token.role_for("0123456789abcdef");
     ASSERT_TRUE(role);
-    EXPECT_EQ(*role, Role::director);
+    EXPECT_EQ(*role, Role::admin);
 }
 
 TEST(DirectorTokens, EverythingElseIsRefused) {

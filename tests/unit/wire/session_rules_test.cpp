@@ -45,12 +45,16 @@ TEST(SessionRules, PhasesOfBothSides) {
 
 TEST(SessionRules, OnlyADirectorChangesTheWorld) {
     for (const ClientMessage& message : one_of_each<ClientMessage>()) {
-        EXPECT_TRUE(permitted(Role::director, message));
+        EXPECT_TRUE(permitted(Role::admin, message));
         EXPECT_EQ(permitted(Role::viewer, message).has_value(), !std::holds_alternative<Command>(message));
     }
     EXPECT_TRUE(permitted(Role::viewer, Command{1, {}, false, ListBoxes{}}));
     for (const auto& action : {Command{1, {}, false, StopWind{}}, Command{1, {}, false, SetRate{}}})
         EXPECT_EQ(permitted(Role::viewer, action).error().code, ErrorCode::token_required);
+    EXPECT_TRUE(permitted(Role::director, Command{1, {}, false, StopWind{}}));
+    for (const auto& action : {Command{1, {}, false, SkipTime{}}, Command{1, {}, false, SetRate{}}})
+        EXPECT_EQ(permitted(Role::director, action).error().code, ErrorCode::token_required)
+            << "time is the admin's";
 }
 
 TEST(SessionRules, SequencesAscendWithinEachType) {
@@ -79,7 +83,7 @@ TEST(SessionRules, TheHighestCommonVersionOrACode) {
     };
     EXPECT_EQ(*with(2, 2), 2);
     EXPECT_EQ(*with(0, 9), protocol_version_max);
-    EXPECT_EQ(with(3, 9).error().code, ErrorCode::protocol_version);
+    EXPECT_EQ(with(4, 9).error().code, ErrorCode::protocol_version);
     EXPECT_EQ(with(1, 1).error().code, ErrorCode::protocol_version)
         << "its boxes and winds are laid out otherwise";
     EXPECT_EQ(with(0, 0).error().code, ErrorCode::protocol_version);

@@ -236,6 +236,28 @@ TEST(World, RateChangesKeepSeaTimeContinuous) {
     EXPECT_EQ(world.plan(SetRate{(16U << 16) + 1}, now).error().code, ErrorCode::value_out_of_range);
 }
 
+TEST(World, TimeIsSkippedForwardAtTheSameRate) {
+    SeaClock clock;
+    clock.start = {5 * second};
+    clock.monotonic_start_us = 1000;
+    clock.rate_q16 = 2U << 16;
+    World world("test", nullptr, clock);
+    const int64_t now = 1000 + 7'654'321;
+    const SeaTime before = sea_time_at(clock, now);
+    const auto skipped = world.plan(SkipTime{600 * second}, now);
+    ASSERT_TRUE(skipped);
+    world.apply({1, skipped->clock.start, *skipped}, some_bytes(1));
+    const SeaClock& after = world.state()->clock;
+    EXPECT_EQ(sea_time_at(after, now), before + 600 * second);
+    EXPECT_EQ(sea_time_at(after, now + second), before + 602 * second);
+    EXPECT_EQ(after.epoch, clock.epoch + 1);
+    for (const int64_t wrong : {int64_t{0}, int64_t{-1}, longest_skip_us + 1, INT64_MAX, INT64_MIN})
+        EXPECT_EQ(world.plan(SkipTime{wrong}, now).error().code, ErrorCode::value_out_of_range) << wrong;
+    clock.start = {sea_time_bound / 2 - second};
+    World old("test", nullptr, clock);
+    EXPECT_EQ(old.plan(SkipTime{second}, now).error().code, ErrorCode::value_out_of_range);
+}
+
 TEST(World, FoldingTheLogTwiceGivesOneStateAndTheLogsHash) {
     World live("test", nullptr, {});
     InMemoryEventLog log;
