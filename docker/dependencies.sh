@@ -19,18 +19,18 @@
 set -euo pipefail
 
 # libboost1.81-dev cannot stand beside libgdal-dev (which wants Boost 1.74): nothing here may pull that in.
-group_run=(libspdlog1.10 libhwy1 libfmt9 libtiff6 libgeotiff5 libproj25 libpng16-16 libnetcdf19 ca-certificates)
+group_run=(libspdlog1.10 libhwy1 libfmt9 libtiff6 libgeotiff5 libproj25 libpng16-16 libnetcdf19 libssl3 ca-certificates)
 group_build=(
     g++ cmake ninja-build ccache pkg-config git ca-certificates
     libboost1.81-dev libflatbuffers-dev flatbuffers-compiler libspdlog-dev libfmt-dev libcli11-dev
     libtomlplusplus-dev nlohmann-json3-dev libtiff-dev libgeotiff-dev libproj-dev libpng-dev libnetcdf-dev
-    libglm-dev libglfw3-dev libepoxy-dev libegl-dev libimgui-dev libstb-dev libhwy-dev libfftw3-dev
+    libglm-dev libglfw3-dev libepoxy-dev libegl-dev libimgui-dev libstb-dev libhwy-dev libfftw3-dev libssl-dev
 )
 group_view=(
     libgl1 libegl1 libegl-mesa0 libglx-mesa0 libgl1-mesa-dri
     libglfw3 libxcursor1 libxi6 libxinerama1 libxrandr2
 )
-group_test=(libgtest-dev libgmock-dev xvfb xauth python3)
+group_test=(libgtest-dev libgmock-dev xvfb xauth python3 python3-flatbuffers openssl)
 # The sanitizer presets build with clang 19, twice as fast there as gcc. The cross compilers bring their C library; qemu runs what they link statically.
 group_all=(
     clang-19 libclang-rt-19-dev clang-14 clang-tidy-14 clang-format-14 qemu-user-static

@@ -19,12 +19,33 @@ bool same_demands(const ViewState& a, const ViewState& b) {
 
 double square(double v) { return v * v; }
 
-uint32_t slack_for(const ViewState& v) {
-    const double speed = std::sqrt(square(v.vx) + square(v.vy) + square(v.vz));
+double speed_of(const ViewState& v) { return std::sqrt(square(v.vx) + square(v.vy) + square(v.vz)); }
+
+uint32_t slack_for(const ViewState& v, const Motion& motion) {
     const double altitude = to_metres(v.altitude);
-    const double slack =
-        std::max({least_slack, std::max(altitude, -altitude) * slack_of_altitude, speed * slack_seconds});
+    const double slack = std::max({least_slack, std::max(altitude, -altitude) * slack_of_altitude,
+                                   speed_of(v) * std::max(slack_seconds, 2.0 * motion.reaction_s)});
     return static_cast<uint32_t>(to_lattice(slack));
+}
+
+float slack_tangent_for(const ViewState& v, const Motion& motion) {
+    const float still = std::min(slack_tangent_default,
+                                 slack_tangent_of_lens * std::max(v.tan_half_width, v.tan_half_height));
+    const auto turned = static_cast<float>(2.0 * motion.turn * motion.reaction_s);
+    return std::max(still, std::min(turned, widest_slack_tangent));
+}
+
+Motion within_bounds(const Motion& motion) {
+    return {std::clamp(motion.reaction_s, 0.0, longest_reaction), std::clamp(motion.turn, 0.0, fastest_turn)};
+}
+
+/// Of what the key allows, what may be used up before the next one is chosen: the rest lasts until its result is there. A
+/// quarter at least: a camera too fast for its network is not helped by a result for every view.
+double share_to_use(const CullKey& key, const ViewState& view, const Motion& motion) {
+    const double way = speed_of(view) * motion.reaction_s / std::max(to_metres(key.slack), 1.0);
+    const double turned =
+        motion.turn * motion.reaction_s / std::max(static_cast<double>(key.slack_tangent), 1e-3);
+    return std::max(0.25, std::min(renewal_share, 1.0 - std::max(way, turned)));
 }
 
 CullKey with_error(const CullKey& key, float error) {
@@ -57,7 +78,22 @@ void lower_error(const InterestIndex& index, CullKey& key) {
     if (fits_limit(index, finer)) key.error_in_force_px = finer.error_in_force_px;
 }
 
+// Those of the standard's views; an anchor on the wire may be wider.
+constexpr float widest_lens = 20.0F;
+
 }  // namespace
+
+bool could_be_chosen(const CullKey& key, int64_t span_us, uint32_t limit) {
+    const ViewState& view = key.anchor;
+    return view.tan_half_width <= widest_lens && view.tan_half_height <= widest_lens &&
+           key.slack >= slack_for(view, {0.0, 0.0}) &&
+           key.slack <= slack_for(view, {longest_reaction, 0.0}) &&
+           key.slack_tangent >= slack_tangent_for(view, {0.0, 0.0}) &&
+           key.slack_tangent <= std::max(widest_slack_tangent, slack_tangent_for(view, {0.0, 0.0})) &&
+           key.error_in_force_px >= view.accepted_error_px &&
+           key.patch_limit == std::min(view.patch_budget, limit) &&
+           key.until - key.from == span_before_us + span_us;
+}
 
 bool within_anchor(const CullKey& key, const ViewState& view, double share) {
     const ViewState& a = key.anchor;
@@ -76,10 +112,12 @@ bool within_anchor(const CullKey& key, const ViewState& view, double share) {
 }
 
 CullKey choose_key(const InterestIndex& index, const ViewState& view, std::span<const SyncRegion> regions,
-                   const CullKey* previous, SeaTime now, int64_t span_us, uint32_t limit) {
+                   const CullKey* previous, SeaTime now, int64_t span_us, uint32_t limit,
+                   const Motion& asked_motion) {
+    const Motion motion = within_bounds(asked_motion);
     CullKey key;
     const bool same_view = previous != nullptr && same_demands(previous->anchor, view) &&
-                           within_anchor(*previous, view, renewal_share);
+                           within_anchor(*previous, view, share_to_use(*previous, view, motion));
     const bool same_span =
         previous != nullptr && previous->from <= now && now + span_us / 4 <= previous->until;
     const bool same_world = previous != nullptr && previous->log_position == index.log_position();
@@ -87,10 +125,8 @@ CullKey choose_key(const InterestIndex& index, const ViewState& view, std::span<
         key = *previous;
     } else {
         key.anchor = view;
-        key.slack = slack_for(view);
-        key.slack_tangent =
-            std::min(slack_tangent_default,
-                     slack_tangent_of_lens * std::max(view.tan_half_width, view.tan_half_height));
+        key.slack = slack_for(view, motion);
+        key.slack_tangent = slack_tangent_for(view, motion);
         const bool goes_on = previous != nullptr && same_demands(previous->anchor, view);
         key.error_in_force_px = goes_on ? previous->error_in_force_px : view.accepted_error_px;
     }

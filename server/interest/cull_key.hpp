@@ -5,8 +5,19 @@
 
 namespace trochoid {
 
-/// The camera may move this far before a result stops holding: the largest of 8 m, a tenth of the altitude and half a
-/// second of its velocity.
+/// How a camera moves while a result is on its way.
+struct Motion {
+    /// From a view's being taken to its result's being applied: the round trip and the interval between views. Above 0 to
+    /// longest_reaction.
+    double reaction_s = 0.1;
+    double turn = 0.0;  ///< rad/s, at least 0
+    bool operator==(const Motion&) const = default;
+};
+inline constexpr double longest_reaction = 1.0;  // s
+inline constexpr double fastest_turn = 20.0;     // rad/s
+
+/// The camera may move this far before a result stops holding: the largest of 8 m, a tenth of the altitude, half a
+/// second of its velocity and twice the way that it goes until the next result is there.
 inline constexpr double least_slack = 8.0;  // m
 inline constexpr double slack_of_altitude = 0.1;
 inline constexpr double slack_seconds = 0.5;  // s
@@ -14,7 +25,10 @@ inline constexpr double slack_seconds = 0.5;  // s
 /// else a telescope's padding would cost more than its picture.
 inline constexpr float slack_tangent_default = 0.15F;
 inline constexpr float slack_tangent_of_lens = 0.25F;
-/// A new key is chosen when this share of slack or tangent is used, so that its result arrives before it is needed.
+/// A camera that turns gets twice the turn that it makes until the next result is there, up to this (31 degrees).
+inline constexpr float widest_slack_tangent = 0.6F;
+/// A new key is chosen when this share of slack or tangent is used, or earlier where camera and network are so fast that its
+/// result would come too late.
 inline constexpr double renewal_share = 0.75;
 /// Span of sea time that a key's bounds hold for by default; renewed when a quarter is left.
 inline constexpr int64_t span_default_us = int64_t{120} * microseconds_per_second;
@@ -31,7 +45,11 @@ inline constexpr double refine_below = 0.85;
 /// priority and counts them). `limit` caps the view's own patch budget.
 CullKey choose_key(const InterestIndex& index, const ViewState& view, std::span<const SyncRegion> regions,
                    const CullKey* previous, SeaTime now, int64_t span_us = span_default_us,
-                   uint32_t limit = 1024);
+                   uint32_t limit = 1024, const Motion& motion = {});
+
+/// Whether choose_key could have chosen it for some view and index, all numbers in the ranges of the standard: what a stranger sends as a
+/// key may be anything. What its cull costs then has the bounds of any view's where fits_limit holds besides.
+bool could_be_chosen(const CullKey& key, int64_t span_us = span_default_us, uint32_t limit = 1024);
 
 /// Whether a camera's place and direction lie within this share (0 to 1) of the key's slack and tangent.
 bool within_anchor(const CullKey& key, const ViewState& view, double share);

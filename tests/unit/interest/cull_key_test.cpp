@@ -65,6 +65,55 @@ TEST(CullKey, MovesWithTheCameraBeforeTheSlackIsUsedUp) {
     EXPECT_EQ(choose_key(k.index, lens, {}, &k.first, now).anchor, lens);
 }
 
+/// Flies (and turns) over a network of that round trip, a view each 100 ms; how often the camera looked beyond what its last result to
+/// arrive holds for.
+int late_results(const InterestIndex& index, double round_trip_s, double speed, double turn, bool told) {
+    constexpr int steps = 400;
+    constexpr double interval_s = 0.1;
+    const int behind =
+        static_cast<int>(round_trip_s / interval_s + 0.5) + 1;  // views until a result is there
+    std::vector<CullKey> chosen;
+    int late = 0;
+    for (int i = 0; i < steps; ++i) {
+        const double t = i * interval_s;
+        ViewState view = looking({to_lattice(speed * t), 0}, 20.0, 0.5 + turn * t, -0.1);
+        view.vx = static_cast<float>(speed);
+        const Motion motion = told ? Motion{round_trip_s + interval_s, turn} : Motion{interval_s, 0.0};
+        chosen.push_back(choose_key(index, view, {}, chosen.empty() ? nullptr : &chosen.back(), now,
+                                    span_default_us, 1024, motion));
+        if (i >= behind && !within_anchor(chosen[static_cast<size_t>(i - behind)], view, 1.0)) ++late;
+    }
+    return late;
+}
+
+TEST(CullKey, PadsByMotionForAsLongAsAResultIsOnItsWay) {
+    const Keys k;
+    for (const double round_trip_s : {0.0, 0.1, 0.2, 0.4}) {
+        EXPECT_EQ(late_results(k.index, round_trip_s, 30.0, 0.0, true), 0) << round_trip_s;
+        EXPECT_EQ(late_results(k.index, round_trip_s, 0.0, 0.4, true), 0) << round_trip_s;
+        EXPECT_EQ(late_results(k.index, round_trip_s, 30.0, 0.4, true), 0) << round_trip_s;
+    }
+    EXPECT_GT(late_results(k.index, 0.2, 30.0, 0.0, false), 10) << "or the test tells nothing";
+    EXPECT_GT(late_results(k.index, 0.2, 0.0, 0.4, false), 10);
+}
+
+TEST(CullKey, MotionPadsWithinBounds) {
+    const Keys k;
+    ViewState fast = k.view;
+    fast.vx = 10'000.0F;
+    const CullKey key = choose_key(k.index, fast, {}, nullptr, now, span_default_us, 1024, {1e9, 1e9});
+    EXPECT_EQ(key.slack, static_cast<uint32_t>(to_lattice(20'000.0)));
+    EXPECT_EQ(key.slack_tangent, widest_slack_tangent);
+    EXPECT_TRUE(could_be_chosen(key));
+    EXPECT_TRUE(could_be_chosen(choose_key(k.index, fast, {}, nullptr, now)));
+    CullKey forged = key;
+    forged.slack += 1024;
+    EXPECT_FALSE(could_be_chosen(forged));
+    forged = key;
+    forged.slack_tangent = 0.7F;
+    EXPECT_FALSE(could_be_chosen(forged));
+}
+
 TEST(CullKey, RegionsAndLogPositionAreTakenOverInPlace) {
     Keys k;
     const std::vector<SyncRegion> regions{{{5, 6}, 700}};
