@@ -147,13 +147,13 @@ if [ -n "$preset" ]; then
 fi
 
 work_dir=$(mktemp -d "${TMPDIR:-/tmp}/trochoid-demo.XXXXXX")
-token=$work_dir/director-token
-(umask 077 && head -c 32 /dev/urandom | od -An -v -tx1 | tr -d ' \n' >"$token")
+key=$work_dir/key
+"$bin/trochoid-ctl" token new-key "$key" >/dev/null
 
 # Each in a process group of its own, so that Ctrl-C reaches only this script, which then ends them in order.
 set -m
 "$bin/trochoid-server" --scene "$scene" --port "$port" --port-file "$work_dir/port" \
-    --director-token-file "$token" >"$work_dir/server.log" 2>&1 </dev/null &
+    --token-key "$key.pub" >"$work_dir/server.log" 2>&1 </dev/null &
 server=$!
 set +m
 
@@ -173,7 +173,7 @@ address=127.0.0.1:$(tr -cd '0-9' <"$work_dir/port")
 cat <<TEXT
 demo.sh: the server runs on $address with $scene
          To change the weather, in another terminal, while this runs:
-           ${bin#"$PWD"/}/trochoid-ctl --connect $address --token-file $token list
+           ${bin#"$PWD"/}/trochoid-ctl --connect $address --sign-with $key list
            ${bin#"$PWD"/}/trochoid-ctl --help
 TEXT
 
@@ -197,6 +197,6 @@ wait "$viewer" || status=$?
 viewer=''
 [ "$status" -eq 0 ] || die "the viewer ended with status $status"
 if [ -n "$picture" ]; then
-    [ "$picture" -nt "$token" ] || die "the viewer wrote no picture to $picture"
+    [ "$picture" -nt "$key" ] || die "the viewer wrote no picture to $picture"
     echo "demo.sh: the picture is $picture"
 fi

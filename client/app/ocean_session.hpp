@@ -16,8 +16,9 @@ namespace trochoid {
 struct SessionOptions {
     Endpoint server;
     std::string software;  ///< name and version for the hello
-    std::string token;     ///< empty: viewer
-    std::string world;     ///< empty: whichever the server has
+    /// Asked for a token before each connection, on the network thread; none, or an empty token: viewer.
+    std::function<std::string()> fresh_token;
+    std::string world;  ///< empty: whichever the server has
     ViewState view;
     std::vector<SyncRegion> regions;
     bool reconnect = true;  ///< false: the first end of the connection is the session's

@@ -32,6 +32,7 @@ SessionOptions session_options(const ProbeOptions& options) {
     SessionOptions session;
     session.server = options.server;
     session.software = fmt::format("trochoid-probe {}", software_version());
+    session.fresh_token = [&login = options.login] { return login.token(Role::viewer); };
     session.view = view_of_nothing();
     session.regions = options.regions;
     session.reconnect = options.watch;

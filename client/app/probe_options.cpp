@@ -6,6 +6,7 @@
 #include <cmath>
 #include <string_view>
 
+#include "client/app/login_options.hpp"
 #include "client/app/probe_grid.hpp"
 #include "client/sample/water_sampler.hpp"
 #include "protocol/codec/messages.hpp"
@@ -23,6 +24,8 @@ constexpr double farthest_time_s = 2.3e12;  // 2^61 microseconds
 /// Options as they are typed.
 struct Typed {
     std::string server = default_server;
+    std::string ca_file;
+    TokenWords login;
     std::vector<std::string> regions;
     std::vector<std::string> points;
     uint32_t random_points = 0;
@@ -68,7 +71,9 @@ SyncRegion region_of(const std::string& text) {
 
 void add_options(CLI::App& app, Typed& typed, ProbeOptions& options) {
     const auto within = [](auto least, auto most) { return CLI::Range(least, most).description(""); };
-    app.add_option("--connect", typed.server, "HOST:PORT of the server")->capture_default_str();
+    app.add_option("--connect", typed.server, connect_help)->capture_default_str();
+    app.add_option("--ca", typed.ca_file, ca_help)->check(CLI::ExistingFile);
+    describe_login(app, typed.login, "Options");
     app.add_option("--region", typed.regions,
                    "Sync region X,Z,R: disc in metres; repeatable (default: 100 m around each --point)")
         ->allow_extra_args(false);
@@ -186,7 +191,8 @@ std::optional<ProbeOptions> read_probe_options(int argc, const char* const* argv
     for (const double v : {typed.patience_s, options.at_s.value_or(0.0), options.in_s, options.every_s,
                            options.seconds.value_or(0.0), options.budget.value_or(0.0)})
         if (!std::isfinite(v)) throw OperatorError("options want finite numbers (see trochoid-probe --help)");
-    options.server = parse_endpoint(typed.server);
+    options.server = endpoint_from_options(typed.server, typed.ca_file);
+    options.login = TokenSource(typed.login);
     options.output = typed.json ? ProbeOutput::json : typed.bits ? ProbeOutput::bits : ProbeOutput::table;
     options.patience = std::chrono::milliseconds(static_cast<int64_t>(typed.patience_s * 1000.0));
     choose_places(typed, options);

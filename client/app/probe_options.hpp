@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "client/net/endpoint.hpp"
+#include "client/net/token_source.hpp"
 #include "protocol/model/view.hpp"
 #include "protocol/units/sea_time.hpp"
 
@@ -16,6 +17,7 @@ enum class ProbeOutput : uint8_t { table, json, bits };
 /// What trochoid-probe is asked to do.
 struct ProbeOptions {
     Endpoint server;
+    TokenSource login;
     std::vector<SyncRegion> regions;   ///< at least one
     std::vector<LatticePoint> points;  ///< those given and those chosen by the seed
     std::optional<double> at_s;        ///< sea time of the first sample, seconds; none: now

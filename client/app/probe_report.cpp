@@ -104,11 +104,11 @@ std::string comparison_line(const ProbeComparison& comparison) {
 
 std::string summary(const SessionStatistics& s, const StoreSnapshot& known) {
     return fmt::format(
-        "{} | {} | {} boxes, {} land blocks, log {} | clock within {:.3f} ms | {} bytes received, {} sent, {} results, {} resyncs\n",
+        "{} | {} | {} boxes, {} land blocks, log {} | clock within {:.3f} ms | {} bytes received, {} sent, {} results, {} resyncs, {} of {} probes differ\n",
         s.server_version.empty() ? s.sentence : s.server_version, word(s.fidelity),
         known.interest->boxes.size(), known.interest->blocks.size(), known.log_position.value,
         static_cast<double>(s.clock_error_us) * 1e-3, s.bytes_received, s.bytes_sent, s.store.results,
-        s.store.resyncs);
+        s.store.resyncs, s.store.desyncs, s.store.probed);
 }
 
 std::string json_of(const std::vector<ProbeSample>& samples, const ProbeComparison* comparison,
@@ -134,6 +134,9 @@ std::string json_of(const std::vector<ProbeSample>& samples, const ProbeComparis
              {"bytes_received", statistics.bytes_received},
              {"bytes_sent", statistics.bytes_sent},
              {"resyncs", statistics.store.resyncs},
+             {"resumed", statistics.store.resumed},
+             {"probed", statistics.store.probed},
+             {"desyncs", statistics.store.desyncs},
              {"samples", list}};
     if (comparison != nullptr)
         out["compared"] = {{"asked", comparison->asked},

@@ -72,7 +72,19 @@ ClientHello SessionLink::hello_now() {
     hello.schema_hash = schema_hash();
     hello.software = options_.software;
     hello.world = options_.world;
-    hello.token = options_.token;
+    const int64_t now_us = client_monotonic_us();
+    ticket_shown_ = !ticket_.empty() && now_us < ticket_until_us_;
+    if (ticket_shown_) hello.ticket = ticket_;
+    // Where the ticket counts no more, the token does; where it does, the token stays unused.
+    if (options_.fresh_token) hello.token = options_.fresh_token();
+    hello.capabilities = capability_probes | capability_resume;
+    hello.last_code = last_code_;
+    hello.resume = store_.resume_state();
+    resume_asked_ = hello.resume.has_value();
+    if (hello.resume) {
+        hello.resume->log_position = told_position_;
+        hello.resume->log_hash = told_log_hash_;
+    }
     {
         const std::lock_guard lock(board_.mutex);
         hello.view = told_view_ = board_.view;
@@ -121,9 +133,20 @@ void SessionLink::receive(ServerMessage message, int64_t received_us) {
 }
 
 void SessionLink::on(const ServerHello& hello, int64_t received_us) {
+    if (hello.resumed && !resume_asked_)
+        return connection_->refuse(
+            {ErrorCode::unexpected_message, "the server resumes a session that was not asked for"});
     live_ = true;
     live_since_us_ = received_us;
+    if (!store_.hello() || store_.hello()->instance != hello.instance) {
+        told_position_ = {};
+        told_log_hash_ = empty_log;
+    }
     store_.begin(hello);
+    last_code_ = ErrorCode::none;
+    ticket_ = hello.ticket;
+    ticket_until_us_ = received_us + int64_t{hello.ticket_life_ms} * 1000;
+    probe_round_ = 0;
     known_answer_ = reference_hash(hello.challenge_seed, hello.challenge_count);
     {
         const std::lock_guard lock(board_.mutex);
@@ -176,6 +199,8 @@ void SessionLink::ask_clock(uint64_t row, int done) {
 
 void SessionLink::on(const ClockReply& reply, int64_t received_us) {
     store_.confirm(reply.watermark, reply.log_position);
+    told_position_ = reply.log_position;
+    told_log_hash_ = reply.log_hash;
     {
         const std::lock_guard lock(board_.mutex);
         board_.clock.add(reply, received_us);
@@ -201,6 +226,7 @@ void SessionLink::on(const Delta& delta, int64_t received_us) {
     (*ack)->known_answer = std::exchange(known_answer_, std::nullopt);
     show_store();
     connection_->send(**ack);
+    if (probe_round_ == 0) probe_after(std::chrono::milliseconds(0));
     // The next clock reply brings the verdict.
     if (answers) ask_clock(++clock_row_, clock_burst - 2);
     if (live_ && delta.key.log_position > log_position_) log_grew(delta.key.log_position);
@@ -285,7 +311,13 @@ void SessionLink::closed(const Goodbye& goodbye, CloseCause cause) {
     const bool was_live = std::exchange(live_, false);
     const int64_t now_us = client_monotonic_us();
     if (was_live && now_us - live_since_us_ > steady_after_us) failures_ = 0;
-    const bool refused = cause == CloseCause::server_goodbye && !goodbye.retry;
+    ++probe_row_;
+    if (was_live) last_code_ = cause == CloseCause::lost ? ErrorCode::client_closed : goodbye.code;
+    // A ticket that counts no more leaves the token, where there is one.
+    const bool ticket_refused = cause == CloseCause::server_goodbye && ticket_shown_ && !was_live &&
+                                goodbye.code == ErrorCode::token_refused;
+    if (ticket_refused) ticket_.clear();
+    const bool refused = cause == CloseCause::server_goodbye && !goodbye.retry && !ticket_refused;
     // The same view and regions would come to the same again.
     const bool too_much = cause == CloseCause::over_our_limit;
     const bool again = options_.reconnect && !ending_ && !refused && !too_much;

@@ -1,8 +1,10 @@
 #pragma once
+#include <chrono>
 #include <functional>
 #include <map>
 #include <memory>
 #include <optional>
+#include <vector>
 
 #include "client/app/session_board.hpp"
 #include "client/net/connection.hpp"
@@ -34,6 +36,8 @@ public:
     Traffic traffic() const;
 
 private:
+    static constexpr uint64_t empty_log = 0;  // rolling hash at position 0
+
     void receive(ServerMessage message, int64_t received_us);
     void on(const ServerHello& hello, int64_t received_us);
     void on(const ClockReply& reply, int64_t received_us);
@@ -43,6 +47,10 @@ private:
     void closed(const Goodbye& goodbye, CloseCause cause);
     void log_grew(LogPosition position);
     void ask_clock(uint64_t row, int done);
+    // session_probe.cpp: whether what we hold is what the server has sent.
+    void probe_after(std::chrono::milliseconds pause);
+    void probe(uint64_t row);
+    void probed(const Probe& asked, const StoreSnapshot& held, const ProbeReply& reply);
     void show_store();
     ClientHello hello_now();
 
@@ -61,6 +69,16 @@ private:
     bool ending_ = false;
     std::optional<std::string> given_up_;   // why we closed a silent connection
     std::optional<uint64_t> known_answer_;  // goes with the first ack
+    // For the next hello: the log as the server told of it last, how the last session ended, and its ticket.
+    LogPosition told_position_;
+    uint64_t told_log_hash_ = empty_log;
+    ErrorCode last_code_ = ErrorCode::none;
+    std::vector<uint8_t> ticket_;
+    int64_t ticket_until_us_ = 0;  // our monotonic clock
+    bool ticket_shown_ = false;    // in the hello at hand
+    bool resume_asked_ = false;    // in the hello at hand
+    uint64_t probe_row_ = 0;       // timers of earlier rows do nothing
+    uint64_t probe_round_ = 0;     // of this session
     ViewState told_view_;
     int64_t told_view_us_ = 0;
     std::vector<SyncRegion> told_regions_;

@@ -21,6 +21,7 @@ SourceStatistics source_statistics(const SessionStatistics& s) {
     out.fidelity = s.fidelity;
     out.deltas = static_cast<uint32_t>(s.store.results);
     out.resyncs = static_cast<uint32_t>(s.store.resyncs);
+    out.desyncs = static_cast<uint32_t>(s.store.desyncs);
     out.log_position = s.log_position;
     out.error_in_force_px = s.error_in_force_px;
     return out;

@@ -21,9 +21,11 @@ int view(const trochoid::ViewerOptions& options, const std::filesystem::path& se
     std::signal(SIGINT, interrupt);
     std::signal(SIGTERM, interrupt);
     trochoid::SessionOptions session;
-    session.server = trochoid::parse_endpoint(options.connect);
+    session.server = trochoid::endpoint_from_options(options.connect, options.ca_file);
     session.software = fmt::format("trochoid-viewer {}", trochoid::software_version());
-    session.token = options.token;
+    const trochoid::TokenSource login(options.login);
+    if (!login.warning().empty()) spdlog::warn("{}", login.warning());
+    session.fresh_token = [&login] { return login.token(trochoid::Role::viewer); };
     session.view = trochoid::view_of(options.camera, glm::dvec3(0));
     session.view.accepted_error_px = options.draw.error_px;
     trochoid::SessionSeaSource source(session);

@@ -5,9 +5,11 @@
 #include <CLI/CLI.hpp>
 #include <cmath>
 
+#include "client/app/login_options.hpp"
 #include "client/app/viewer_presets.hpp"
 #include "client/app/viewer_words.hpp"
 #include "client/gpu/key_bindings.hpp"
+#include "client/net/endpoint.hpp"
 #include "protocol/units/operator_error.hpp"
 #include "protocol/units/version.hpp"
 
@@ -51,9 +53,9 @@ struct Words {
 };
 
 void describe_connection(CLI::App& app, ViewerOptions& options) {
-    app.add_option("--connect", options.connect, "Server, HOST:PORT")->capture_default_str()->group("Server");
-    app.add_option("--token", options.token, "Token to log in with; without one a plain viewer")
-        ->group("Server");
+    app.add_option("--connect", options.connect, connect_help)->capture_default_str()->group("Server");
+    app.add_option("--ca", options.ca_file, ca_help)->check(CLI::ExistingFile)->group("Server");
+    describe_login(app, options.login, "Server");
     app.add_option("--patience", options.patience_s,
                    "Offscreen: seconds to wait for the first sea, or for a server that is gone")
         ->capture_default_str()

@@ -4,6 +4,7 @@
 
 #include "client/app/viewer_settings.hpp"
 #include "client/gpu/overlay_content.hpp"
+#include "client/net/token_source.hpp"
 #include "client/scene/camera.hpp"
 #include "client/scene/draw_options.hpp"
 
@@ -11,8 +12,9 @@ namespace trochoid {
 
 /// What the operator of trochoid-viewer asks for.
 struct ViewerOptions {
-    std::string connect = "127.0.0.1:7421";  ///< HOST:PORT
-    std::string token;                       ///< empty: viewer
+    std::string connect = "127.0.0.1:7421";  ///< as parse_endpoint takes it
+    std::string ca_file;                     ///< certificates to trust, PEM; empty: the system's
+    TokenWords login;                        ///< empty: a viewer without a token
 
     bool offscreen = false;
     bool full_screen = false;

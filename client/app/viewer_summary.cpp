@@ -86,6 +86,7 @@ void write_summary(const std::string& path, const ViewerSummary& s) {
         {"viewer", name_of(s.source.fidelity)},
         {"results", s.source.deltas},
         {"resyncs", s.source.resyncs},
+        {"desyncs", s.source.desyncs},
         {"log_position", s.source.log_position},
         {"connected", s.source.connected},
         {"server", s.source.server_version},

@@ -3,33 +3,23 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
-#include <fstream>
 
 #include "client/ctl/ctl_subcommands.hpp"
 #include "protocol/units/operator_error.hpp"
 #include "protocol/units/version.hpp"
+#include "protocol/wire/session_rules.hpp"
 
 namespace trochoid {
 
 namespace {
 
-constexpr size_t longest_token = 1024;
+std::string refuse_empty(const std::string& file) { return file.empty() ? "is empty: give a file" : ""; }
 
-std::string token_from(const std::string& file) {
-    if (file.empty()) return {};
-    std::ifstream in(file, std::ios::binary);
-    if (!in)
-        throw OperatorError(fmt::format(
-            "cannot read the token file {}: give the file that trochoid-server was started with", file));
-    std::string token;
-    std::getline(in, token);
-    constexpr const char* blanks = " \t\r";
-    token.erase(0, std::min(token.size(), token.find_first_not_of(blanks)));
-    token.erase(token.find_last_not_of(blanks) + 1);
-    if (token.empty() || token.size() > longest_token)
-        throw OperatorError(fmt::format(
-            "the token file {} holds no token of 1 to {} characters in its first line", file, longest_token));
-    return token;
+void add_login(CLI::App& app, TokenWords& words) {
+    app.add_option("--sign-with", words.key_file, sign_with_help)->check(refuse_empty);
+    app.add_option("--world", words.world, "The world that it is for (default: as the server names itself)")
+        ->check(refuse_empty);
+    app.add_option("--token-file", words.token_file, token_file_help)->check(refuse_empty);
 }
 
 }  // namespace
@@ -41,15 +31,16 @@ std::optional<CtlOptions> read_ctl_options(int argc, const char* const* argv) {
     app.fallthrough();
     app.footer(
         "Example:\n  trochoid-ctl --connect 127.0.0.1:7421 list\n"
-        "All but list and time without --rate need a director's token (--token-file).\n"
+        "Winds, ships and land need a director's token, time --rate and --skip an admin's: --sign-with KEY signs one.\n"
         "Exit: 0 done, 1 the server refused or went away, 2 bad options, files or address.");
     CtlOptions options;
     std::string server = default_server;
-    std::string token_file;
+    std::string ca_file;
+    TokenWords login;
     double patience_s = 30.0;
-    app.add_option("--connect", server, "HOST:PORT of the server")->capture_default_str();
-    app.add_option("--token-file", token_file, "File with the director's token")
-        ->check([](const std::string& file) { return file.empty() ? "is empty: give a file" : ""; });
+    app.add_option("--connect", server, connect_help)->capture_default_str();
+    app.add_option("--ca", ca_file, ca_help)->check(CLI::ExistingFile);
+    add_login(app, login);
     app.add_flag("--json", options.json, "Print JSON instead of tables");
     app.add_option("--patience", patience_s, "Seconds to wait for each answer")
         ->check([](const std::string& text) {
@@ -69,10 +60,18 @@ std::optional<CtlOptions> read_ctl_options(int argc, const char* const* argv) {
         throw OperatorError(fmt::format("{} (see trochoid-ctl --help)", error.what()));
     }
     options.action = subcommands.action();
-    options.server = parse_endpoint(server);
-    options.token = token_from(token_file);
+    options.server = endpoint_from_options(server, ca_file);
+    options.login = TokenSource(login);
     options.patience = std::chrono::milliseconds(static_cast<int64_t>(patience_s * 1000.0));
     return options;
+}
+
+Role role_for(const CtlAction& action) {
+    const auto* command = std::get_if<CtlCommand>(&action);
+    if (command == nullptr) return Role::viewer;
+    for (const Role role : {Role::viewer, Role::director})
+        if (permitted(role, Command{1, {}, false, command->action})) return role;
+    return Role::admin;
 }
 
 SeaTime asked_time(const AskedTime& when, SeaTime now) {

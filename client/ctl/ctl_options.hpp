@@ -5,7 +5,9 @@
 #include <string>
 #include <variant>
 
+#include "client/ctl/ctl_token.hpp"
 #include "client/net/endpoint.hpp"
+#include "client/net/token_source.hpp"
 #include "protocol/codec/messages.hpp"
 
 namespace trochoid {
@@ -33,11 +35,14 @@ struct CtlList {
 struct CtlTime {
     bool operator==(const CtlTime&) const = default;
 };
-using CtlAction = std::variant<CtlCommand, CtlList, CtlTime>;
+using CtlAction = std::variant<CtlCommand, CtlList, CtlTime, CtlToken>;
+
+/// The least role that may ask for it.
+Role role_for(const CtlAction& action);
 
 struct CtlOptions {
     Endpoint server;
-    std::string token;  ///< contents of the token file
+    TokenSource login;
     bool json = false;
     std::chrono::milliseconds patience{30000};
     CtlAction action;

@@ -192,7 +192,7 @@ std::string report(const ClockReply& reply, bool json) {
 std::string refusal(const CommandReply& reply) {
     // The server says what to do; here stands only how trochoid-ctl is told to.
     const char* how = "";
-    if (reply.code == ErrorCode::token_required) how = " (--token-file FILE)";
+    if (reply.code == ErrorCode::token_required) how = " (--sign-with KEY)";
     if (reply.code == ErrorCode::unknown_box) how = " (trochoid-ctl list)";
     if (reply.code == ErrorCode::too_late) how = " (--at, --in, --or-refuse)";
     return fmt::format("the server refuses ({} {}): {}{}", static_cast<unsigned>(reply.code),

@@ -76,6 +76,7 @@ CtlSubcommands::CtlSubcommands(CLI::App& app) {
     add_stop(app);
     add_breakwater(app);
     add_list_and_time(app);
+    token_.emplace(app);
 }
 
 void CtlSubcommands::add_when(CLI::App& command) {
@@ -131,10 +132,10 @@ void CtlSubcommands::add_start_wind(CLI::App& app) {
     towards->needs(start_wind_->get_option("--move-speed"));
     add_when(*start_wind_);
     start_wind_->footer(
-        "Examples:\n  trochoid-ctl --token-file director-token start-wind --speed 12 --towards 68 \\\n"
+        "Examples:\n  trochoid-ctl --sign-with director-key start-wind --speed 12 --towards 68 \\\n"
         "      --origin -4000,2500 --fetch-km 20 --width-km 8 --life-s 600\n"
         "A storm of 256 trains that moves eastwards, crests bent, heights in groups:\n"
-        "  trochoid-ctl --token-file director-token start-wind --speed 25 --towards 90 \\\n"
+        "  trochoid-ctl --sign-with director-key start-wind --speed 25 --towards 90 \\\n"
         "      --origin -20000,0 --fetch-km 15 --width-km 10 --trains 256 --directions 8 --spectrum jonswap \\\n"
         "      --round 0.3 --irregular 0.5 --noise 0.03 --move-towards 90 --move-speed 12");
 }
@@ -202,7 +203,7 @@ void CtlSubcommands::add_start_ship(CLI::App& app) {
     start_ship_->add_option("--name", typed_.name, "As `list` shows her, up to 64 bytes (default: ship N)");
     add_when(*start_ship_);
     start_ship_->footer(
-        "Example:\n  trochoid-ctl --token-file director-token start-ship --from 0,-1500 --towards 200 --speed 9 \\\n"
+        "Example:\n  trochoid-ctl --sign-with director-key start-ship --from 0,-1500 --towards 200 --speed 9 \\\n"
         "      --length 140 --name \"MS Harbour\"");
 }
 
@@ -215,7 +216,7 @@ void CtlSubcommands::add_steer(CLI::App& app) {
         ->check(within(0.0, static_cast<double>(fastest_wind_box)));
     add_when(*steer_);
     steer_->footer(
-        "Example:\n  trochoid-ctl --token-file director-token steer 5 --towards 90 --speed 6 --in 30\n"
+        "Example:\n  trochoid-ctl --sign-with director-key steer 5 --towards 90 --speed 6 --in 30\n"
         "A ship's wake so far decays under its number; she goes on under the number that the answer names. At speed 0\n"
         "she lies still, turned as she was (--towards counts for winds alone), until she gets another course.");
 }
@@ -226,8 +227,8 @@ void CtlSubcommands::add_stop(CLI::App& app) {
     add_box(*stop_, "Number of its wave train box, as `list` shows it");
     add_when(*stop_);
     stop_->footer(
-        "Examples:\n  trochoid-ctl --token-file director-token stop-wind 3 --in 60\n"
-        "  trochoid-ctl --token-file director-token stop 5");
+        "Examples:\n  trochoid-ctl --sign-with director-key stop-wind 3 --in 60\n"
+        "  trochoid-ctl --sign-with director-key stop 5");
 }
 
 void CtlSubcommands::add_breakwater(CLI::App& app) {
@@ -246,21 +247,26 @@ void CtlSubcommands::add_breakwater(CLI::App& app) {
     breakwater_->add_flag("--dig", typed_.dig, "Lower what is higher instead of raising what is lower");
     add_when(*breakwater_);
     breakwater_->footer(
-        "Examples:\n  trochoid-ctl --token-file director-token breakwater --point 200,-300 --point 450,-120 \\\n"
+        "Examples:\n  trochoid-ctl --sign-with director-key breakwater --point 200,-300 --point 450,-120 \\\n"
         "      --point 500,100 --width 15 --crest 4\n"
         "A channel 8 m deep:\n"
-        "  trochoid-ctl --token-file director-token breakwater --point 0,0 --point 900,0 --width 60 --crest -8 --dig");
+        "  trochoid-ctl --sign-with director-key breakwater --point 0,0 --point 900,0 --width 60 --crest -8 --dig");
 }
 
 void CtlSubcommands::add_list_and_time(CLI::App& app) {
     list_ =
         app.add_subcommand("list", "Show all wave train boxes: winds, ships, waves and noise of the scene");
     list_->footer("Example:\n  trochoid-ctl list --json");
-    time_ = app.add_subcommand("time", "Show sea time and its rate, or set the rate");
-    time_->add_option("--rate", typed_.rate, "Seconds of sea time a second, 0 (paused) to 16")
-        ->check(within(0.0, 16.0));
+    time_ = app.add_subcommand("time", "Show sea time and its rate, set the rate, or skip time");
+    CLI::Option* rate =
+        time_->add_option("--rate", typed_.rate, "Seconds of sea time a second, 0 (paused) to 16")
+            ->check(within(0.0, 16.0));
+    time_->add_option("--skip", typed_.skip_s, "Seconds of sea time to go forward at once, 0.000001 to 1e9")
+        ->check(within(1e-6, 1e9))
+        ->excludes(rate);
     time_->footer(
-        "Examples:\n  trochoid-ctl time\n  trochoid-ctl --token-file director-token time --rate 0.5");
+        "Examples:\n  trochoid-ctl time\n  trochoid-ctl --sign-with director-key time --rate 0.5\n"
+        "  trochoid-ctl --sign-with director-key time --skip 3600");
 }
 
 StartWind CtlSubcommands::wind() const {
@@ -331,12 +337,15 @@ CtlAction CtlSubcommands::action() const {
     if (stop_->parsed()) return legal(StopWind{{typed_.box}}, when);
     if (breakwater_->parsed()) return legal(breakwater(), when);
     if (list_->parsed()) return CtlList{};
+    if (token_->parsed()) return token_->action();
     if (time_->parsed() && time_->count("--rate") > 0)
         return legal(SetRate{static_cast<uint32_t>(std::lround(typed_.rate * 65536.0))}, {});
+    if (time_->parsed() && time_->count("--skip") > 0)
+        return legal(SkipTime{seconds_to_us(typed_.skip_s)}, {});
     if (time_->parsed()) return CtlTime{};
     throw OperatorError(
-        "say what to do: start-wind, start-ship, steer, stop-wind, breakwater, list or time (see trochoid-ctl "
-        "--help)");
+        "say what to do: start-wind, start-ship, steer, stop-wind, breakwater, list, time or token (see "
+        "trochoid-ctl --help)");
 }
 
 }  // namespace trochoid

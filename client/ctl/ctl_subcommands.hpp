@@ -1,9 +1,11 @@
 #pragma once
 #include <CLI/CLI.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "client/ctl/ctl_options.hpp"
+#include "client/ctl/ctl_token_subcommands.hpp"
 
 namespace trochoid {
 
@@ -48,6 +50,7 @@ private:
         double crest = 3.0;
         bool dig = false;
         double rate = 1.0;
+        double skip_s = 0.0;
         AskedTime when;
     };
 
@@ -74,6 +77,7 @@ private:
     CLI::App* breakwater_ = nullptr;
     CLI::App* list_ = nullptr;
     CLI::App* time_ = nullptr;
+    std::optional<CtlTokenSubcommands> token_;
 };
 
 }  // namespace trochoid

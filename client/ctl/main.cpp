@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <cstdio>
+#include <utility>
 
 #include "client/ctl/ctl_options.hpp"
 #include "client/ctl/ctl_report.hpp"
@@ -28,9 +29,37 @@ int carry_out(BlockingLink& link, const CtlOptions& options, const CtlCommand& a
     return 0;
 }
 
+LinkOptions link_options(const CtlOptions& options, std::string token) {
+    return {options.server, fmt::format("trochoid-ctl {}", software_version()), std::move(token),
+            options.patience};
+}
+
+/// The world that a token has to name: as it was given, or as the server tells a viewer.
+std::string world_of(const CtlOptions& options) {
+    if (!options.login.signs() || !options.login.world().empty()) return options.login.world();
+    try {
+        return BlockingLink(link_options(options, "")).hello().world;
+    } catch (const LinkError& error) {
+        if (error.code() != ErrorCode::token_required) throw;
+        throw OperatorError(
+            "this server names its world only to who logs in: say --world NAME with --sign-with");
+    }
+}
+
+void warn(const std::string& warning) {
+    if (!warning.empty()) fmt::print(stderr, "trochoid-ctl: warning: {}\n", warning);
+}
+
 int run(const CtlOptions& options) {
-    BlockingLink link({options.server, fmt::format("trochoid-ctl {}", software_version()), options.token,
-                       options.patience});
+    if (const auto* token = std::get_if<CtlToken>(&options.action)) {
+        const TokenReport report = carry_out(*token, options.json);
+        warn(report.warning);
+        fmt::print("{}", report.text);
+        return report.status;
+    }
+    warn(options.login.warning());
+    BlockingLink link(
+        link_options(options, options.login.token(role_for(options.action), world_of(options))));
     if (const auto* command = std::get_if<CtlCommand>(&options.action))
         return carry_out(link, options, *command);
     const bool time = std::holds_alternative<CtlTime>(options.action);

@@ -141,11 +141,11 @@ void source_rows(const OverlayContent& c) {
     row("Received",
         fmt::format("{} /s, {} in all, clock within {:.1f} ms", bytes_text(c.source.bytes_per_second),
                     bytes_text(static_cast<double>(c.source.bytes_received)), c.source.clock_error_ms));
-    row("Results",
-        fmt::format("{}, resyncs {}, log {}, {}", c.source.deltas, c.source.resyncs, c.source.log_position,
-                    c.source.fidelity == Fidelity::unknown
-                        ? "not compared yet"
-                        : fmt::format("{} viewer", name_of(c.source.fidelity))));
+    row("Results", fmt::format("{}, resyncs {}, desyncs {}, log {}, {}", c.source.deltas, c.source.resyncs,
+                               c.source.desyncs, c.source.log_position,
+                               c.source.fidelity == Fidelity::unknown
+                                   ? "not compared yet"
+                                   : fmt::format("{} viewer", name_of(c.source.fidelity))));
 }
 
 void word(const std::string& text, bool on) {

@@ -2,15 +2,16 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <span>
 #include <string>
 
-#include "client/net/endpoint.hpp"
-#include "client/net/net_loop.hpp"
+#include "client/net/client_stream.hpp"
 #include "protocol/codec/messages.hpp"
 
 namespace trochoid {
 
-/// Bytes and frames on the socket, headers counted.
+/// Bytes and messages of the protocol: magic and frame headers counted where there are any, the headers of a WebSocket and
+/// what TLS adds not.
 struct Traffic {
     uint64_t bytes_received = 0;
     uint64_t bytes_sent = 0;
@@ -28,7 +29,7 @@ enum class CloseCause : uint8_t {
     lost,            ///< no answer, refused or reset; the message says which and what to do
 };
 
-/// One framed TCP connection (TCP_NODELAY) from dialling to its end. Lives on a NetLoop: callbacks and all members but
+/// One connection from dialling to its end, over whichever stream. Lives on a NetLoop: callbacks and all members but
 /// `traffic` belong to the loop's thread. Never reconnects; make a new one. Whatever the server sends is either handed
 /// on as a valid message that may come at this point of a session, or ends the connection.
 class Connection : public std::enable_shared_from_this<Connection> {
@@ -45,7 +46,11 @@ public:
     /// Bytes that may wait for a server that does not read.
     static constexpr size_t most_waiting = size_t{256} * 1024;
 
-    static std::shared_ptr<Connection> open(NetLoop& loop, Endpoint endpoint, Events events);
+    /// Over the stream that the endpoint's transport asks for (`stream_to`).
+    static std::shared_ptr<Connection> open(NetLoop& loop, const Endpoint& endpoint, Events events);
+    /// Over this stream, not dialled yet; the endpoint is for sentences only.
+    static std::shared_ptr<Connection> open(NetLoop& loop, const Endpoint& endpoint,
+                                            std::shared_ptr<ClientStream> stream, Events events);
     Connection(const Connection&) = delete;
     Connection& operator=(const Connection&) = delete;
     ~Connection();
@@ -65,11 +70,14 @@ private:
     explicit Connection(std::unique_ptr<Impl> impl);
     void dial();
     void start();
-    void expect_within_patience(const char* what);
+    void after(std::chrono::milliseconds delay, void (Connection::*overdue)());
+    void no_answer();
     void read_some();
-    void take(size_t count);
+    void take(std::span<const uint8_t> bytes);
+    void take_message(std::span<const uint8_t> payload, int64_t now_us);
     void write_some();
     void part(const Goodbye& goodbye, CloseCause cause);
+    void part_overdue();
     void lose(std::string message);
     void finish(const Goodbye& goodbye, CloseCause cause);
     std::unique_ptr<Impl> impl_;

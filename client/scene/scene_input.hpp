@@ -39,6 +39,7 @@ struct SourceStatistics {
     Fidelity fidelity = Fidelity::unknown;
     uint32_t deltas = 0;   ///< results applied
     uint32_t resyncs = 0;  ///< results whose hash did not match
+    uint32_t desyncs = 0;  ///< probes that found another sea than the server's
     uint64_t log_position = 0;
     float error_in_force_px = 1.0F;  ///< height error that the server culls by, pixels
     SeaTime known_until =

@@ -137,14 +137,25 @@ bool belongs_to(const TerrainTile& tile, const TerrainGrid& grid) {
 void ClientStore::begin(const ServerHello& hello) {
     const bool same_world = hello_ && hello_->instance == hello.instance;
     hello_ = hello;
-    // A session starts from nothing, so no delta can build on what an earlier one has left.
-    applied_ = begun_ = base_ = 0;
+    if (!same_world) whole_ = false;
+    const bool resumed = hello.resumed && whole_;
+    // Without resuming no delta can build on what an earlier session has left. A server that resumes what we do not hold is found out
+    // by its next result.
+    begun_ = hello.resumed ? 1 : 0;
+    applied_ = resumed ? 1 : 0;
+    base_ = 0;
+    if (resumed) {
+        ++counters_.resumed;
+        // Of a result that was cut short nothing stays. Fields and boxes are still those of the last whole one, or none.
+        state_ = *snapshot_->interest;
+        state_hash_ = whole_hash_;
+    }
     next_piece_ = 0;
     course_ = Course::apply;
     resync_asked_ = false;
     auto next = std::make_shared<StoreSnapshot>();
     if (same_world) *next = *snapshot_;
-    next->result = 0;
+    next->result = applied_;
     next->terrain = hello.terrain;
     snapshot_ = std::move(next);
 }
@@ -183,6 +194,22 @@ bool ClientStore::builds_on_ours(const Delta& first_piece) {
         return true;
     }
     return !resync_asked_ && first_piece.base == applied_ && first_piece.base_hash == state_hash_;
+}
+
+std::optional<ResumeState> ClientStore::resume_state() const {
+    if (!whole_) return std::nullopt;
+    ResumeState claim;
+    claim.instance = hello_->instance;
+    claim.key = snapshot_->key;
+    claim.state_hash = whole_hash_;
+    return claim;
+}
+
+void ClientStore::distrust() {
+    ++counters_.desyncs;
+    whole_ = false;
+    resync_asked_ = true;
+    applied_ = 0;
 }
 
 std::optional<Ack> ClientStore::ask_resync(uint32_t result) {
@@ -241,6 +268,8 @@ Result<Done> ClientStore::finish_result(const Delta& last_piece) {
     for (const auto& [id, box] : state_.boxes)
         if (auto fit = overlays_fit(*box, *fields); !fit) return fit.error();
     applied_ = last_piece.result;
+    whole_ = true;
+    whole_hash_ = state_hash_;
     ++counters_.results;
     count_late_events(last_piece.key);
 

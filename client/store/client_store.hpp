@@ -45,6 +45,9 @@ struct StoreCounters {
     uint64_t resyncs = 0;    ///< results that did not fit or hashed differently: asked again from nothing
     uint64_t tiles = 0;
     uint64_t late_events = 0;  ///< boxes that an event changed before the watermark in force
+    uint64_t resumed = 0;      ///< sessions that went on with what an earlier one had left
+    uint64_t probed = 0;       ///< points at which our sums were compared with the server's
+    uint64_t desyncs = 0;      ///< differences found there: told, and begun anew from nothing
     bool operator==(const StoreCounters&) const = default;
 };
 
@@ -55,8 +58,15 @@ public:
     explicit ClientStore(StoreLimits limits = {}) : limits_(limits) {}
 
     /// A new session. Everything is dropped when the world instance has changed, and kept (until the first snapshot
-    /// replaces it) when it is the same.
+    /// replaces it) when it is the same. Where the hello says `resumed`, the last whole result counts as the session's first.
     void begin(const ServerHello& hello);
+    /// What the next session may go on with: the last whole result. None where there is none that can be trusted. The log's part is left
+    /// to the caller.
+    std::optional<ResumeState> resume_state() const;
+    /// Sums were compared at so many points.
+    void probed(size_t points) { counters_.probed += points; }
+    /// What is held is not what the server has sent: results pass by until the next snapshot.
+    void distrust();
     const std::optional<ServerHello>& hello() const { return hello_; }
 
     /// Applies one piece. Gives the ack to send when a result is complete; an ack with hash 0 asks for a resync (the result
@@ -87,6 +97,8 @@ private:
     std::optional<ServerHello> hello_;
     InterestState state_;
     uint64_t state_hash_ = 0;  // of state_ after the last whole result
+    bool whole_ = false;       // the snapshot's interest is a whole result of this instance, trusted so far
+    uint64_t whole_hash_ = 0;  // its hash
     Fields fields_;
     PreparedBoxes prepared_;
     uint32_t applied_ = 0;  // last result applied whole, 0 = state_ is nothing a delta can build on

@@ -12,6 +12,9 @@ namespace requirement {
 inline constexpr uint16_t magic = 101;
 inline constexpr uint16_t frame_header = 102;
 inline constexpr uint16_t frame_length = 103;
+inline constexpr uint16_t one_port = 104;
+inline constexpr uint16_t websocket = 105;
+inline constexpr uint16_t encryption = 106;
 // Buffers
 inline constexpr uint16_t file_identifier = 111;
 inline constexpr uint16_t verified_buffer = 112;
@@ -35,8 +38,12 @@ inline constexpr uint16_t region_count = 131;
 inline constexpr uint16_t region_radius = 132;
 inline constexpr uint16_t acknowledged_state = 133;
 inline constexpr uint16_t result_order = 134;
+inline constexpr uint16_t whole_results = 135;
 // World
 inline constexpr uint16_t model_version = 141;
+// Login
+inline constexpr uint16_t good_token = 153;
+inline constexpr uint16_t viewer_token = 156;
 }  // namespace requirement
 
 /// The requirement that a peer breaks when it is refused with this code; 0 where no requirement is broken.
@@ -58,13 +65,14 @@ constexpr uint16_t requirement_of(ErrorCode code) {
         case ErrorCode::base_mismatch: return requirement::acknowledged_state;
         case ErrorCode::protocol_version: return requirement::version_range;
         case ErrorCode::model_version: return requirement::model_version;
-        case ErrorCode::token_required:
-        case ErrorCode::token_refused: return requirement::director_role;
+        case ErrorCode::token_required: return requirement::viewer_token;
+        case ErrorCode::token_refused: return requirement::good_token;
         case ErrorCode::rate_limited: return requirement::message_rates;
         case ErrorCode::too_many_regions: return requirement::region_count;
         case ErrorCode::region_too_large: return requirement::region_radius;
         case ErrorCode::no_progress: return requirement::progress;
         case ErrorCode::wrong_world: return requirement::world_name;
+        case ErrorCode::encryption_required: return requirement::encryption;
         case ErrorCode::too_many_boxes:
         case ErrorCode::too_many_trains:
         case ErrorCode::too_many_legs: return requirement::ranges;

@@ -31,24 +31,20 @@ uint64_t random_seed() {
 
 }  // namespace
 
-SeaAuthority::SeaAuthority(IoLoop& loop, World& world, EventLog& log, LandWorker& worker, uint32_t lead_ms)
+SeaAuthority::SeaAuthority(IoLoop& loop, World& world, EventLog& log, LandWorker& worker, uint32_t lead_ms,
+                           uint32_t node)
     : loop_(loop),
       world_(world),
       log_(log),
       worker_(worker),
       lead_ms_(lead_ms),
+      node_(node),
       state_(world.state()),
       choice_(std::make_shared<const TerrainChoice>(state_->terrain)) {
     index_ = std::make_shared<const InterestIndex>(*state_);
 }
 
 SeaTime SeaAuthority::now() const { return sea_time_at(state_->clock, monotonic_us()); }
-
-SeaTime SeaAuthority::watermark() {
-    loop_.assert_here();
-    promised_ = std::max(promised_, now() + lead_in_sea_time(state_->clock, lead_ms_));
-    return promised_;
-}
 
 void SeaAuthority::open(const Scene& scene) {
     // What falls still only later makes no room for what begins later still.
@@ -69,7 +65,7 @@ void SeaAuthority::open_box(const std::string& name, const Result<BoxStarted>& p
         refuse_scene(fmt::format("'{}'", name), too_much_land(room));
     BoxStarted started = world_.fit_to_land(*planned, derived.lands.front());
     const SeaTime begin = started.box.begin;
-    append(single({0, begin, std::move(started)}, std::move(derived)));
+    append_to_own(single({0, begin, std::move(started)}, std::move(derived)));
 }
 
 void SeaAuthority::open_breakwaters(const Scene& scene) {
@@ -80,8 +76,8 @@ void SeaAuthority::open_breakwaters(const Scene& scene) {
         if (!answer.changed) refuse_scene(name, answer.refused.front().value());
         auto planned = world_.plan(scene.breakwaters[i], scene.clock_start, {});
         if (!planned) refuse_scene(name, planned.error());
-        append(single({0, scene.clock_start, std::move(planned).value()},
-                      derived_from(answer.changed->outcome)));
+        append_to_own(single({0, scene.clock_start, std::move(planned).value()},
+                             derived_from(answer.changed->outcome)));
         take_land(*answer.changed);
     }
 }
@@ -108,7 +104,7 @@ void SeaAuthority::open_ship(const SceneShip& ship) {
             Steer{box, static_cast<float>(leg.towards_degrees), static_cast<float>(leg.speed)}, leg.at);
         if (!steering)
             refuse_scene(fmt::format("'{}' from {} on", ship.ship.name, text_of(leg.at)), steering.error());
-        append(planned_of(*steering));
+        append_to_own(planned_of(*steering));
         box = steering->box;
     }
 }
@@ -149,35 +145,39 @@ std::optional<CommandReply> SeaAuthority::at_once(const Command& command) {
 Result<SeaTime> SeaAuthority::stamp(const Command& command) {
     const SeaTime present = now();
     world_.set_present(present);
-    return effective_time(command.at, present, watermark() - present, command.refuse_if_late);
+    return effective_time(command.at, present, earliest() - present, command.refuse_if_late);
 }
 
 // A wind beside the terrain is started at once; none: its land has to be traced.
 std::optional<CommandReply> SeaAuthority::start_on_open_water(const StartWind& wind, const Command& command) {
-    const Result<SeaTime> effective = stamp(command);
-    if (!effective) return refused(command, effective.error());
-    Result<BoxStarted> planned = world_.plan(wind, *effective);
-    if (!planned) return refused(command, planned.error());
-    std::optional<TracedLand> land = worker_.open_water(planned->box, {state_->next_field});
-    if (!land) return std::nullopt;
-    BoxStarted fitted = world_.fit_to_land(std::move(*planned), *land);
-    const BoxId id = fitted.box.id;
-    Derived derived;
-    derived.lands.push_back(std::move(*land));
-    return commit(command, single({0, *effective, std::move(fitted)}, std::move(derived)), id);
+    while (true) {
+        const Result<SeaTime> effective = stamp(command);
+        if (!effective) return refused(command, effective.error());
+        Result<BoxStarted> planned = world_.plan(wind, *effective);
+        if (!planned) return refused(command, planned.error());
+        std::optional<TracedLand> land = worker_.open_water(planned->box, {state_->next_field});
+        if (!land) return std::nullopt;
+        BoxStarted fitted = world_.fit_to_land(std::move(*planned), *land);
+        const BoxId id = fitted.box.id;
+        Derived derived;
+        derived.lands.push_back(std::move(*land));
+        if (Attempt reply =
+                commit(command, single({0, *effective, std::move(fitted)}, std::move(derived)), id))
+            return reply;
+    }
 }
 
 CommandReply SeaAuthority::carry_out(const Command& command) {
-    return std::visit(
-        [&](const auto& action) -> CommandReply {
-            if constexpr (requires { carry_out(action, command); }) return carry_out(action, command);
-            TROCHOID_ASSERT(false, "action {} is not carried out at once", command.action.index());
-            return {};
-        },
-        command.action);
+    const auto once = [&](const auto& action) -> Attempt {
+        if constexpr (requires { attempt(action, command); }) return attempt(action, command);
+        TROCHOID_ASSERT(false, "action {} is not carried out at once", command.action.index());
+        return CommandReply{};
+    };
+    while (true)
+        if (Attempt reply = std::visit(once, command.action)) return std::move(*reply);
 }
 
-CommandReply SeaAuthority::carry_out(const StopWind& stop, const Command& command) {
+SeaAuthority::Attempt SeaAuthority::attempt(const StopWind& stop, const Command& command) {
     const Result<SeaTime> effective = stamp(command);
     if (!effective) return refused(command, effective.error());
     const Result<BoxEnding> planned = world_.plan(stop, *effective);
@@ -186,7 +186,7 @@ CommandReply SeaAuthority::carry_out(const StopWind& stop, const Command& comman
 }
 
 // Wakes know no land: nothing to trace.
-CommandReply SeaAuthority::carry_out(const StartShip& ship, const Command& command) {
+SeaAuthority::Attempt SeaAuthority::attempt(const StartShip& ship, const Command& command) {
     const Result<SeaTime> effective = stamp(command);
     if (!effective) return refused(command, effective.error());
     Result<BoxStarted> planned = world_.plan(ship, *effective);
@@ -196,7 +196,7 @@ CommandReply SeaAuthority::carry_out(const StartShip& ship, const Command& comma
 }
 
 // A moving wind's land was traced wherever it may come, and wakes know none.
-CommandReply SeaAuthority::carry_out(const Steer& steer, const Command& command) {
+SeaAuthority::Attempt SeaAuthority::attempt(const Steer& steer, const Command& command) {
     const Result<SeaTime> effective = stamp(command);
     if (!effective) return refused(command, effective.error());
     const Result<Steering> steering = world_.plan(steer, *effective);
@@ -205,25 +205,30 @@ CommandReply SeaAuthority::carry_out(const Steer& steer, const Command& command)
 }
 
 // A rate takes hold at once: until clients hear of it their clocks run on at the old one, and are slewed.
-CommandReply SeaAuthority::carry_out(const SetRate& rate, const Command& command) {
+SeaAuthority::Attempt SeaAuthority::attempt(const SetRate& rate, const Command& command) {
     const Result<ClockChanged> planned = world_.plan(rate, monotonic_us());
     if (!planned) return refused(command, planned.error());
     return commit(command, single({0, planned->clock.start, *planned}, {}), {});
 }
 
 // Like a rate at once; what was still to come before the new present has then happened.
-CommandReply SeaAuthority::carry_out(const SkipTime& skip, const Command& command) {
+SeaAuthority::Attempt SeaAuthority::attempt(const SkipTime& skip, const Command& command) {
     const Result<ClockChanged> planned = world_.plan(skip, monotonic_us());
     if (!planned) return refused(command, planned.error());
     return commit(command, single({0, planned->clock.start, *planned}, {}), {});
 }
 
-CommandReply SeaAuthority::commit(const Command& command, std::vector<Planned> planned, BoxId box) {
+SeaAuthority::Attempt SeaAuthority::commit(const Command& command, std::vector<Planned> planned, BoxId box,
+                                           const ChangedLand* land) {
     CommandReply reply;
     reply.sequence = command.sequence;
     reply.effective = planned.front().event.effective;
     reply.box = box;
-    append(std::move(planned));
+    if (!append(std::move(planned))) {
+        follow();
+        return std::nullopt;
+    }
+    if (land != nullptr) take_land(*land);
     publish();
     reply.log_position = state_->log_position;
     reply.message = fmt::format("takes hold at sea time {}", text_of(reply.effective));
@@ -233,20 +238,31 @@ CommandReply SeaAuthority::commit(const Command& command, std::vector<Planned> p
 }
 
 // Events become bytes, the bytes become log, the log becomes the world's new state. The log takes all of them or none, so a journal
-// that is cut short never holds a ship that has ended her course without the next one.
-void SeaAuthority::append(std::vector<Planned> planned) {
+// that is cut short never holds a ship that has ended her course without the next one. False: another node was first, nothing is done.
+bool SeaAuthority::append(std::vector<Planned> planned) {
     std::vector<NewEvent> batch;
     for (Planned& next : planned) {
-        next.event.event_id = next_event_++;
+        next.event.event_id = (uint64_t{node_} << event_number_bits) | next_event_++;
         next.event.present = world_.present();
         batch.push_back({next.event.event_id, encode(next.event)});
     }
     const AppendResult result = log_.append(world_.state()->log_position, batch);
-    TROCHOID_ASSERT(std::holds_alternative<Appended>(result),
-                    "this process alone writes its log, yet event {} met outcome {}", batch.front().id,
-                    result.index());
-    for (size_t i = 0; i < planned.size(); ++i)
+    if (node_ != 0 && std::holds_alternative<Conflict>(result)) return false;
+    TROCHOID_ASSERT(std::holds_alternative<Appended>(result), "event {} of node {} met outcome {} of the log",
+                    batch.front().id, node_, result.index());
+    for (size_t i = 0; i < planned.size(); ++i) {
+        if (const auto* clock = std::get_if<ClockChanged>(&planned[i].event.what))
+            clock_changes(clock->clock);
         world_.apply(planned[i].event, batch[i].bytes, std::move(planned[i].derived));
+    }
+    return true;
+}
+
+// While a scene opens, other nodes do not write yet.
+void SeaAuthority::append_to_own(std::vector<Planned> planned) {
+    const bool first = append(std::move(planned));
+    TROCHOID_ASSERT(first, "another node has written the log at position {} while the scene opened",
+                    world_.state()->log_position.value);
 }
 
 void SeaAuthority::take_land(const ChangedLand& changed) {
@@ -257,8 +273,7 @@ void SeaAuthority::take_land(const ChangedLand& changed) {
 
 // All events of a command at once: readers see none or all of them.
 void SeaAuthority::publish() {
-    state_ = world_.state();
-    index_ = std::make_shared<const InterestIndex>(*state_, index_.get(), std::exchange(indexed_, {}));
+    renew();
     if (changed_) changed_();
 }
 

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "protocol/units/assert.hpp"
+#include "server/app/field_layers.hpp"
 #include "server/app/sea_authority.hpp"
 #include "server/world/effective_time.hpp"
 
@@ -76,15 +77,20 @@ void SeaAuthority::trace_then_start(const BoxStarted& planned, const StartWind& 
                           return trace_then_start(*planned_now, wind, std::move(waiting), attempt + 1);
                       tracing_ = false;
                       if (planned_now)
-                          start_traced(*planned_now, waiting, std::move(land), std::move(indexed));
+                          start_traced(*planned_now, std::move(waiting), std::move(land), std::move(indexed));
                       else
                           answer(waiting, refused(waiting.command, planned_now.error()));
                       go_on();
                   });
 }
 
-void SeaAuthority::start_traced(const BoxStarted& planned, const WaitingCommand& waiting, TracedLand land,
+void SeaAuthority::start_traced(const BoxStarted& planned, WaitingCommand waiting, TracedLand land,
                                 IndexedLand indexed) {
+    // Another node's land may have come meanwhile, and taken the numbers.
+    if (!land.fields.empty() && land.fields.front()->id() != FieldId{state_->next_field}) {
+        land = with_first_field(land, {state_->next_field});
+        indexed = {};
+    }
     const SeaTime effective = planned.box.begin;
     if (const LandRoom room = world_.room_for_land(effective); blocks_of(land) > room.left())
         return answer(waiting, refused(waiting.command, too_much_land(room)));
@@ -93,8 +99,11 @@ void SeaAuthority::start_traced(const BoxStarted& planned, const WaitingCommand&
     Derived derived;
     derived.lands.push_back(std::move(land));
     indexed_ = std::move(indexed);
-    answer(waiting,
-           commit(waiting.command, single({0, effective, std::move(fitted)}, std::move(derived)), id));
+    const Attempt reply =
+        commit(waiting.command, single({0, effective, std::move(fitted)}, std::move(derived)), id);
+    if (reply) return answer(waiting, *reply);
+    indexed_ = {};
+    begin(StartWind(std::get<StartWind>(waiting.command.action)), std::move(waiting));
 }
 
 // While the last change of the land is still cross-fading the next one waits.
@@ -208,12 +217,12 @@ void SeaAuthority::change_land_with(const std::shared_ptr<const ChangedLand>& ch
     Result<LandChanged> planned =
         world_.plan(change_of(changes.front()), effective, changed->outcome.touched, std::move(also));
     if (!planned) return one_by_one(std::move(changes), planned.error());
-    take_land(*changed);
-    const CommandReply reply =
-        commit(changes.front().command,
-               single({0, effective, std::move(*planned)}, derived_from(changed->outcome)), {});
+    const Attempt reply = commit(changes.front().command,
+                                 single({0, effective, std::move(*planned)}, derived_from(changed->outcome)),
+                                 {}, changed.get());
+    if (!reply) return trace_changes(std::move(changes), effective, changed);
     tracing_ = false;
-    for (const WaitingCommand& waiting : changes) answer(waiting, reply);
+    for (const WaitingCommand& waiting : changes) answer(waiting, *reply);
     go_on();
 }
 

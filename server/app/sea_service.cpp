@@ -9,12 +9,13 @@
 #include "server/interest/cull.hpp"
 #include "server/interest/cull_key.hpp"
 #include "server/interest/patch_priority.hpp"
+#include "server/interest/patch_selection.hpp"
 #include "server/net/monotonic.hpp"
 
 namespace trochoid {
 
-SeaService::SeaService(SeaAuthority& authority, WorldInstance instance, DirectorToken token)
-    : authority_(authority), instance_(instance), token_(std::move(token)) {}
+SeaService::SeaService(SeaAuthority& authority, WorldInstance instance, TokenDoor& door)
+    : authority_(authority), instance_(instance), door_(door) {}
 
 HelloFacts SeaService::hello_facts() const {
     const WorldState& world = *authority_.state();
@@ -49,7 +50,11 @@ int64_t SeaService::refresh_at_us(const CullKey& key) const {
 
 std::optional<MadeResult> SeaService::make_result(const ResultRequest& request) {
     const InterestIndex& index = *authority_.index();
-    CullKey key = choose_key(index, request.view, request.regions, request.previous, authority_.now());
+    // A view may be as old as the interval at which sessions consider them when it is taken up.
+    constexpr double view_interval_s = 0.1;
+    const Motion motion{static_cast<double>(request.round_trip_us) * 1e-6 + view_interval_s, request.turn};
+    CullKey key = choose_key(index, request.view, request.regions, request.previous, authority_.now(),
+                             span_default_us, Limits{}.patches, motion);
     if (request.previous != nullptr && *request.previous == key) return std::nullopt;
     MadeResult made;
     made.state = std::make_shared<const InterestState>(cull(index, key).state);
@@ -57,6 +62,32 @@ std::optional<MadeResult> SeaService::make_result(const ResultRequest& request) 
     made.watermark = authority_.watermark();
     made.refresh_at_us = refresh_at_us(made.key);
     return made;
+}
+
+// Cheap checks first; what is left costs one cull, of no more patches than any view may ask for.
+ResumeVerdict SeaService::judge(const ResumeState& claim, MadeResult& held) const {
+    if (claim.instance != instance_) return ResumeVerdict::other_instance;
+    const auto log_hash = authority_.log_hash_at(claim.log_position);
+    if (!log_hash) return ResumeVerdict::unknown_position;
+    if (*log_hash != claim.log_hash) return ResumeVerdict::other_history;
+    const LogPosition position = claim.key.log_position;
+    if (position > authority_.state()->log_position) return ResumeVerdict::unknown_position;
+    if (!could_be_chosen(claim.key)) return ResumeVerdict::no_such_key;
+    const auto index = authority_.index_at(position);
+    if (!index) return ResumeVerdict::too_old;
+    if (!costs_no_more(*index, claim.key)) return ResumeVerdict::no_such_key;
+    held.state = std::make_shared<const InterestState>(cull(*index, claim.key).state);
+    return hash_of(*held.state) == claim.state_hash ? ResumeVerdict::resumed : ResumeVerdict::other_state;
+}
+
+Resumption SeaService::resume(const ResumeState& claim) {
+    Resumption resumption;
+    resumption.verdict = judge(claim, resumption.held);
+    if (resumption.verdict != ResumeVerdict::resumed) return resumption;
+    resumption.held.key = claim.key;
+    resumption.held.watermark = authority_.watermark();
+    resumption.held.refresh_at_us = refresh_at_us(claim.key);
+    return resumption;
 }
 
 InterestDelta SeaService::change(const InterestState& base, const InterestState& target,
@@ -73,11 +104,10 @@ void SeaService::command(const Command& command, Role role, uint64_t session,
     CommandReply refused;
     refused.sequence = command.sequence;
     refused.code = allowed.error().code;
-    refused.message =
-        token_.exists()
-            ? "changing the sea needs the director's token: give the client the file that this server was started with "
-              "(--director-token-file)"
-            : "nobody may change this sea: start the server with --director-token-file FILE, and give the client that file";
+    refused.message = fmt::format(
+        "{}: {}", allowed.error().message,
+        door_.knows_keys() ? "sign it with a key whose public half this server was started with (--token-key)"
+                           : "start this server with --token-key FILE.pub, and sign it with the key FILE");
     reply(refused);
 }
 

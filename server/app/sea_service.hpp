@@ -4,8 +4,9 @@
 #include <string>
 #include <vector>
 
-#include "server/app/director_token.hpp"
 #include "server/app/sea_authority.hpp"
+#include "server/app/token_door.hpp"
+#include "server/net/probe_answer.hpp"
 #include "server/net/sea_provider.hpp"
 
 namespace trochoid {
@@ -13,12 +14,21 @@ namespace trochoid {
 /// What sessions ask of the sea, answered from the authority's published state. On the io thread.
 class SeaService final : public SeaProvider {
 public:
-    SeaService(SeaAuthority& authority, WorldInstance instance, DirectorToken token);
+    SeaService(SeaAuthority& authority, WorldInstance instance, TokenDoor& door);
 
     HelloFacts hello_facts() const override;
     ClockFacts clock_facts() const override;
-    Result<Role> role_for(const std::string& token) const override { return token_.role_for(token); }
+    Result<LoginDecision> login(const ClientHello& hello, bool loopback) override {
+        return door_.login(hello, loopback, authority_.state()->name, instance_);
+    }
+    IssuedTicket new_ticket(uint64_t session, Role role) override {
+        return door_.new_ticket(session, role, instance_);
+    }
     std::optional<MadeResult> make_result(const ResultRequest& request) override;
+    Resumption resume(const ResumeState& claim) override;
+    ProbeReply probe(const InterestState& state, const Probe& probe) const override {
+        return answer_probe(state, probe);
+    }
     InterestDelta change(const InterestState& base, const InterestState& target,
                          const CullKey& key) const override;
     std::vector<TerrainTileKey> tiles_for(const ViewState& view) override {
@@ -37,10 +47,11 @@ public:
 
 private:
     int64_t refresh_at_us(const CullKey& key) const;
+    ResumeVerdict judge(const ResumeState& claim, MadeResult& held) const;
 
     SeaAuthority& authority_;
     WorldInstance instance_;
-    DirectorToken token_;
+    TokenDoor& door_;
 };
 
 }  // namespace trochoid

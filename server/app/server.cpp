@@ -4,25 +4,30 @@
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
+#include <chrono>
 #include <fstream>
 #include <memory>
 #include <random>
 #include <string>
 #include <utility>
 
+#include "protocol/login/key_file.hpp"
 #include "protocol/model/self_check.hpp"
 #include "protocol/units/operator_error.hpp"
 #include "protocol/units/version.hpp"
-#include "server/app/director_token.hpp"
 #include "server/app/land_worker.hpp"
 #include "server/app/opening.hpp"
 #include "server/app/sea_authority.hpp"
 #include "server/app/sea_service.hpp"
+#include "server/app/token_door.hpp"
 #include "server/event/event_log.hpp"
 #include "server/event/scene.hpp"
+#include "server/net/front_door.hpp"
 #include "server/net/io_loop.hpp"
 #include "server/net/listener.hpp"
 #include "server/net/monotonic.hpp"
+#include "server/net/peer_address.hpp"
 #include "server/net/session_server.hpp"
 #include "server/world/world.hpp"
 
@@ -79,11 +84,67 @@ void log_to_standard_error(const std::string& level) {
     spdlog::set_level(spdlog::level::from_str(level));
 }
 
-void shut_down_on_signal(IoLoop& loop, Listener& listener, SessionServer& sessions) {
-    loop.on_terminate([&](int signal) {
+TicketKey ticket_key_of(const ServerConfig& config) {
+    if (config.ticket_key.empty()) return TicketKey::random();
+    KeptSecret<TicketKey> kept = read_ticket_key(config.ticket_key, "--ticket-key");
+    if (!kept.warning.empty()) spdlog::warn("{}", kept.warning);
+    return std::move(kept.key);
+}
+
+// Without keys no token can be checked: who needs one stays outside.
+void check_viewers_way_in(const ServerConfig& config) {
+    if (!config.token_keys.empty() || config.viewer_tokens == ViewerTokens::never) return;
+    if (config.viewer_tokens == ViewerTokens::always)
+        throw OperatorError("--viewer-tokens always lets nobody in without --token-key FILE: give both");
+    if (std::all_of(config.bind.begin(), config.bind.end(), is_loopback_address)) return;
+    spdlog::warn(
+        "only viewers on this machine come in: give --token-key FILE, or --viewer-tokens never to open the sea to all");
+}
+
+std::unique_ptr<TlsIdentity> identity_of(const DoorOptions& options) {
+    if (options.allow_plaintext)
+        spdlog::warn(
+            "--allow-plaintext: whoever is on the way between this server and its clients reads and changes all");
+    if (!options.tls()) return nullptr;
+    auto identity = std::make_unique<TlsIdentity>(options.tls_cert, options.tls_key);
+    spdlog::info("TLS: {}", identity->text());
+    if (const std::string warning = identity->warning(); !warning.empty()) spdlog::warn("{}", warning);
+    return identity;
+}
+
+void reload_on_hangup(IoLoop& loop, TlsIdentity* identity) {
+    if (identity == nullptr) return;
+    loop.on_hangup([identity] {
+        try {
+            identity->reload();
+            spdlog::info("TLS, read again: {}", identity->text());
+            if (const std::string warning = identity->warning(); !warning.empty())
+                spdlog::warn("{}", warning);
+        } catch (const OperatorError& mistake) {
+            spdlog::error("the certificate in use stays: {}", mistake.what());
+        }
+    });
+}
+
+struct Reception {
+    Listener& listener;
+    FrontDoor& front;
+    SessionServer& sessions;
+};
+
+void shut_down_on_signal(IoLoop& loop, Reception at, LoopTimer& delay, uint32_t drain_ms) {
+    const auto drain = [&loop, at] {
+        at.listener.close();
+        at.front.close();
+        at.sessions.drain([&loop] { loop.stop(); });
+    };
+    loop.on_terminate([at, &delay, drain, drain_ms](int signal) {
         spdlog::info("signal {}: shutting down", signal);
-        listener.close();
-        sessions.drain([&loop] { loop.stop(); });
+        at.front.begin_draining();
+        if (drain_ms == 0)
+            drain();
+        else
+            delay.start(std::chrono::milliseconds(drain_ms), drain);
     });
 }
 
@@ -96,8 +157,9 @@ void run_server(const ServerConfig& config) {
     forget_port(config.port_file);
 
     const Scene scene = load_scene(config.scene);
-    const DirectorToken token =
-        config.token_file.empty() ? DirectorToken() : DirectorToken(config.token_file);
+    TokenDoor door(read_token_keys(config.token_keys, "--token-key"), ticket_key_of(config),
+                   config.viewer_tokens);
+    check_viewers_way_in(config);
     const auto terrain = load_terrain(scene.terrain);
 
     IoLoop loop;
@@ -105,23 +167,30 @@ void run_server(const ServerConfig& config) {
     World world(scene.name, terrain, opening_clock(scene, config.paused), land_blocks_of(config));
     InMemoryEventLog log;
     SeaAuthority authority(loop, world, log, worker, config.lead_ms);
-    SeaService sea(authority, random_instance(), token);
+    SeaService sea(authority, random_instance(), door);
 
     SessionServer sessions(loop, sea, limits_of(config));
-    Listener listener(loop, {config.bind, config.port}, [&sessions](std::unique_ptr<Transport> transport) {
-        sessions.accept(std::move(transport));
-    });
-    shut_down_on_signal(loop, listener, sessions);
+    const auto identity = identity_of(config.door);
+    FrontDoor front(loop, sessions, limits_of(config), policy_of(config.door, config.bind), identity.get(),
+                    scene.name);
+    const bool off_loopback = identity != nullptr || config.door.allow_plaintext;
+    Listener listener(loop, {config.bind, config.port, off_loopback},
+                      [&front](std::unique_ptr<Transport> transport) { front.accept(std::move(transport)); });
+    LoopTimer drain_delay(loop);
+    shut_down_on_signal(loop, {listener, front, sessions}, drain_delay, config.door.drain_ms);
+    reload_on_hangup(loop, identity.get());
 
     authority.open(scene);
+    front.set_ready();
     authority.on_change([&sessions] { sessions.sea_changed(); });
     write_port(config.port_file, listener.port());
     spdlog::info("'{}' with {} boxes, listening on {}; {}", scene.name, authority.state()->boxes.size(),
                  listener.text(),
-                 token.exists() ? "directors need their token"
-                                : "nobody may change the sea (no --director-token-file)");
+                 door.knows_keys() ? "who has a signed token may change the sea"
+                                   : "nobody may change the sea (no --token-key)");
     loop.run();
     spdlog::info("stopped: {}", text_of(sessions.stats()));
+    spdlog::info("at the door: {}", text_of(front.stats()));
 }
 
 }  // namespace trochoid

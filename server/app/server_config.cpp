@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include <CLI/CLI.hpp>
+#include <map>
 
 #include "protocol/units/operator_error.hpp"
 #include "protocol/units/version.hpp"
@@ -20,20 +21,46 @@ constexpr uint32_t most_land_mib = 1U << 20;
 /// An unset shell variable gives an empty value; taken as "none" it would silently switch something off.
 std::string refuse_empty(const std::string& value) { return value.empty() ? "is empty: give a value" : ""; }
 
+const std::map<std::string, ViewerTokens> viewer_tokens{{"off-loopback", ViewerTokens::off_loopback},
+                                                        {"always", ViewerTokens::always},
+                                                        {"never", ViewerTokens::never}};
+
+std::string name_of(ViewerTokens when) {
+    for (const auto& [name, value] : viewer_tokens)
+        if (value == when) return name;
+    return "unknown";
+}
+
+void add_login_options(CLI::App& app, ServerConfig& config) {
+    app.add_option(
+           "--token-key", config.token_keys,
+           "Public key (PEM) that signs the tokens of who may change the sea; may be given more than once")
+        ->check(refuse_empty)
+        ->allow_extra_args(false);
+    app.add_option("--ticket-key", config.ticket_key,
+                   "File with 64 hexadecimal digits, the same for all servers that a client may come back to")
+        ->check(refuse_empty);
+    app.add_option_function<std::string>(
+           "--viewer-tokens",
+           [&config](const std::string& when) { config.viewer_tokens = viewer_tokens.at(when); },
+           "Which viewers need a token: always, never or off-loopback (those that are not on this machine)")
+        ->check(CLI::IsMember(viewer_tokens).description(""))
+        ->default_str(name_of(config.viewer_tokens));
+}
+
 void add_options(CLI::App& app, ServerConfig& config) {
     app.add_option("--scene", config.scene, "Scene file (TOML) with terrain, winds and boxes")->required();
     app.add_option("--port", config.port, "TCP port, 0 for any free one")
         ->check(refuse_empty)
         ->capture_default_str();
-    app.add_option("--bind", config.bind, "Loopback address to listen on; may be given more than once")
+    app.add_option("--bind", config.bind,
+                   "Address to listen on, others than loopback with TLS; may be given more than once")
         ->capture_default_str();
     app.add_option("--port-file", config.port_file,
                    "Write the port in use to this file once connections are taken")
         ->check(refuse_empty);
-    app.add_option(
-           "--director-token-file", config.token_file,
-           "File with the token that lets trochoid-ctl change the sea (8 to 1024 characters, first line)")
-        ->check(refuse_empty);
+    add_door_options(app, config.door);
+    add_login_options(app, config);
     app.add_option("--log-level", config.log_level, "trace, debug, info, warn, error or off")
         ->check(CLI::IsMember({"trace", "debug", "info", "warn", "error", "off"}))
         ->capture_default_str();
@@ -61,16 +88,21 @@ std::optional<ServerConfig> parse_command_line(int argc, const char* const* argv
     } catch (const CLI::ParseError& wrong) {
         throw OperatorError(fmt::format("{}; trochoid-server --help lists all options", wrong.what()));
     }
+    check(config.door);
     return config;
 }
 
 std::string text_of(const ServerConfig& config) {
     const auto file = [](const std::filesystem::path& path) { return path.empty() ? "none" : path.string(); };
+    std::string token_keys;
+    for (const std::filesystem::path& key : config.token_keys)
+        token_keys += (token_keys.empty() ? "" : " ") + key.string();
     return fmt::format(
-        "scene {}, bind {}, port {}, port file {}, director token file {}, log level {}, lead {} ms, land {} MiB, {}",
+        "scene {}, bind {}, port {}, port file {}, {}, token keys {}, ticket key {}, viewer tokens {}, log level {}, lead {} ms, land {} MiB, {}",
         config.scene.string(), fmt::join(config.bind, " "), config.port, file(config.port_file),
-        file(config.token_file), config.log_level, config.lead_ms, config.land_mib,
-        config.paused ? "paused" : "running");
+        text_of(config.door), token_keys.empty() ? "none" : token_keys,
+        config.ticket_key.empty() ? "drawn" : config.ticket_key.string(), name_of(config.viewer_tokens),
+        config.log_level, config.lead_ms, config.land_mib, config.paused ? "paused" : "running");
 }
 
 size_t land_blocks_of(const ServerConfig& config) {

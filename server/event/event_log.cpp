@@ -16,6 +16,13 @@ AppendResult EventLog::append(LogPosition expected, uint64_t event_id, std::span
     return append(expected, std::span(&event, 1));
 }
 
+std::optional<uint64_t> EventLog::hash_at(LogPosition position) const {
+    if (position.value == 0) return empty_log_hash;
+    const auto last = read({position.value - 1}, 1);
+    if (last.empty()) return std::nullopt;
+    return last.front().log_hash;
+}
+
 AppendResult InMemoryEventLog::append(LogPosition expected, std::span<const NewEvent> events) {
     TROCHOID_ASSERT(!events.empty(), "nothing to append at position {}", expected.value);
     if (const auto known = place_of_id_.find(events.front().id); known != place_of_id_.end())
@@ -27,8 +34,8 @@ AppendResult InMemoryEventLog::append(LogPosition expected, std::span<const NewE
         const bool fresh = place_of_id_.emplace(event.id, Place{events_.size(), last}).second;
         TROCHOID_ASSERT(fresh, "event {} a second time, beside others", event.id);
         const uint64_t previous = events_.empty() ? empty_log_hash : events_.back().log_hash;
-        events_.push_back(
-            {LogPosition{events_.size()}, event.id, chain_hash(previous, event.bytes), event.bytes});
+        events_.push_back({LogPosition{events_.size()}, event.id, chain_hash(previous, event.bytes),
+                           event.bytes, events_.size() == last});
     }
     return Appended{expected, events_.back().log_hash};
 }

@@ -2,6 +2,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <span>
 #include <variant>
 #include <vector>
@@ -44,6 +45,8 @@ struct StoredEvent {
     uint64_t event_id = 0;
     uint64_t log_hash = 0;  ///< rolling hash of the log up to and with this event
     Bytes bytes;
+    /// The last of those that were appended together: readers see all of them or none.
+    bool closes = true;
     bool operator==(const StoredEvent&) const = default;
 };
 
@@ -72,6 +75,8 @@ public:
 
     /// Events from a position onwards, in order, at most `limit`; fewer only where the log ends.
     virtual std::vector<StoredEvent> read(LogPosition from, size_t limit) const = 0;
+    /// Rolling hash of the first `position` events; none where the log has fewer.
+    std::optional<uint64_t> hash_at(LogPosition position) const;
 };
 
 /// An event log that lives as long as its process.

@@ -95,6 +95,10 @@ bool could_be_chosen(const CullKey& key, int64_t span_us, uint32_t limit) {
            key.until - key.from == span_before_us + span_us;
 }
 
+bool costs_no_more(const InterestIndex& index, const CullKey& key) {
+    return fits_limit(index, key) || !PatchLod(key).can_coarsen();
+}
+
 bool within_anchor(const CullKey& key, const ViewState& view, double share) {
     const ViewState& a = key.anchor;
     const double dx = to_metres(view.position.x - a.position.x);

@@ -48,8 +48,11 @@ CullKey choose_key(const InterestIndex& index, const ViewState& view, std::span<
                    uint32_t limit = 1024, const Motion& motion = {});
 
 /// Whether choose_key could have chosen it for some view and index, all numbers in the ranges of the standard: what a stranger sends as a
-/// key may be anything. What its cull costs then has the bounds of any view's where fits_limit holds besides.
+/// key may be anything. What its cull costs then has the bounds of any view's where costs_no_more holds besides.
 bool could_be_chosen(const CullKey& key, int64_t span_us = span_default_us, uint32_t limit = 1024);
+
+/// Whether its cull costs no more than those of keys that choose_key makes: its patches fit the limit, or get no coarser.
+bool costs_no_more(const InterestIndex& index, const CullKey& key);
 
 /// Whether a camera's place and direction lie within this share (0 to 1) of the key's slack and tangent.
 bool within_anchor(const CullKey& key, const ViewState& view, double share);

@@ -14,7 +14,7 @@ struct ListRequest {
     uint32_t sequence = 0;
     bool operator==(const ListRequest&) const = default;
 };
-using Question = std::variant<SampleRequest, RaysRequest, ListRequest>;
+using Question = std::variant<SampleRequest, RaysRequest, ListRequest, Probe>;
 
 /// Questions whose answers may be large: answered one by one, each when the socket can take it. While it is full the
 /// session reads nothing more, so a client that asks faster than it listens waits and costs no memory.

@@ -15,6 +15,7 @@ public:
     explicit ControlLane(size_t most_messages) : most_messages_(most_messages) {}
 
     bool empty() const { return frames_.empty(); }
+    bool half_full() const { return 2 * frames_.size() >= most_messages_ || 2 * bytes_ >= most_bytes; }
     /// False where the lane is full: the client takes nothing, and the session ends.
     bool push(Bytes frame) {
         if (frames_.size() >= most_messages_ || bytes_ + frame.size() > most_bytes) return false;

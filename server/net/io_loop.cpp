@@ -48,6 +48,16 @@ void IoLoop::on_terminate(std::function<void(int)> handler) {
         });
 }
 
+void IoLoop::on_hangup(std::function<void()> handler) {
+    impl_->hangups.add(SIGHUP);
+    impl_->hangups.async_wait(
+        [this, handler = std::move(handler)](const boost::system::error_code& failed, int) {
+            if (failed) return;
+            handler();
+            on_hangup(handler);
+        });
+}
+
 struct LoopTimer::Impl {
     explicit Impl(asio::io_context& context) : timer(context) {}
     asio::steady_timer timer;

@@ -24,6 +24,8 @@ public:
     void assert_here() const;
     /// Calls back on the loop at the first SIGINT or SIGTERM; a second one ends the process at once.
     void on_terminate(std::function<void(int signal)> handler);
+    /// Calls back on the loop at every SIGHUP, which ends the process where nobody asks for it.
+    void on_hangup(std::function<void()> handler);
 
     struct Impl;
     Impl& impl() { return *impl_; }

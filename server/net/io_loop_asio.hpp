@@ -12,6 +12,7 @@ namespace trochoid {
 struct IoLoop::Impl {
     boost::asio::io_context context{1};
     boost::asio::signal_set signals{context};
+    boost::asio::signal_set hangups{context};
     std::atomic<std::thread::id> owner{};
 };
 

@@ -20,16 +20,17 @@ namespace asio = boost::asio;
 using boost::system::error_code;
 using Tcp = asio::ip::tcp;
 
-asio::ip::address loopback_address(const std::string& text) {
+asio::ip::address address_of(const std::string& text, bool off_loopback) {
     error_code failed;
     asio::ip::address address = text == "localhost" ? asio::ip::address(asio::ip::address_v4::loopback())
                                                     : asio::ip::make_address(text, failed);
     if (failed)
-        throw OperatorError(fmt::format("--bind {}: give a numeric address, as in 127.0.0.1 or ::1", text));
-    if (!address.is_loopback())
+        throw OperatorError(
+            fmt::format("--bind {}: give a numeric address, as in 127.0.0.1, ::1, or 0.0.0.0 for all", text));
+    if (!address.is_loopback() && !off_loopback)
         throw OperatorError(fmt::format(
-            "--bind {}: only loopback addresses (127.0.0.1, ::1) can be used, because encryption and logins, which any "
-            "other address needs, have not landed yet; leave --bind out, or reach the server through an SSH tunnel",
+            "--bind {}: other machines need TLS: give --tls-cert and --tls-key, or --allow-plaintext on a "
+            "network where everybody may read along; leave --bind out for this machine only",
             text));
     return address;
 }
@@ -122,7 +123,7 @@ void Listener::Impl::accept(size_t index) {
 Listener::Listener(IoLoop& loop, const ListenAddresses& where, Accepted accepted)
     : impl_(std::make_shared<Impl>(loop, std::move(accepted))) {
     std::vector<asio::ip::address> addresses;
-    for (const std::string& text : where.addresses) addresses.push_back(loopback_address(text));
+    for (const std::string& text : where.addresses) addresses.push_back(address_of(text, where.off_loopback));
     constexpr int tries = 8;
     for (int i = 0; i < tries; ++i)
         if (impl_->bind_all(addresses, where.port, i + 1 == tries)) break;

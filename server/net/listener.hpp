@@ -10,15 +10,18 @@
 
 namespace trochoid {
 
-/// Where to listen. Only loopback is taken: what protects other addresses (TLS, tokens for viewers) does not exist.
+/// Where to listen.
 struct ListenAddresses {
     std::vector<std::string> addresses{"127.0.0.1", "::1"};
     uint16_t port = 0;  ///< 0: one that is free, the same for all addresses
+    /// Other machines may come: there is TLS for them, or the operator takes the risk.
+    bool off_loopback = false;
     bool operator==(const ListenAddresses&) const = default;
 };
 
 /// Accepts connections on every address given. A machine without IPv6 loses ::1 with a warning, as long as another
-/// address remains. Throws OperatorError for an address that is not loopback or not numeric and for a port that is taken.
+/// address remains. Throws OperatorError for an address that is not numeric, for one that is not loopback without
+/// `off_loopback`, and for a port that is taken.
 class Listener {
 public:
     using Accepted = std::function<void(std::unique_ptr<Transport>)>;

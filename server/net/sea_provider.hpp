@@ -8,6 +8,7 @@
 
 #include "protocol/codec/messages.hpp"
 #include "protocol/units/result.hpp"
+#include "server/net/resume_verdict.hpp"
 
 namespace trochoid {
 
@@ -37,6 +38,7 @@ struct ResultRequest {
     const std::vector<SyncRegion>& regions;
     const CullKey* previous = nullptr;  ///< key of the last result written; nullptr: the client holds nothing
     int64_t round_trip_us = 0;          ///< from a result's last byte to its ack; 0: not known yet
+    double turn = 0.0;                  ///< rad/s, how fast the camera turns
 };
 
 struct MadeResult {
@@ -45,6 +47,24 @@ struct MadeResult {
     SeaTime watermark;
     /// Monotonic time (microseconds) at which the key's span of sea time has to be replaced; INT64_MAX: never.
     int64_t refresh_at_us = INT64_MAX;
+};
+
+/// How a hello came in.
+struct LoginDecision {
+    Role role = Role::viewer;
+    uint64_t last_session = 0;  ///< the session that the hello's ticket is of; 0: no ticket decided
+    bool operator==(const LoginDecision&) const = default;
+};
+
+/// For the next hello of whoever gets it.
+struct IssuedTicket {
+    std::vector<uint8_t> ticket;  ///< at most longest_ticket bytes; empty: none
+    uint32_t life_ms = 0;
+};
+
+struct Resumption {
+    ResumeVerdict verdict = ResumeVerdict::too_old;
+    MadeResult held;  ///< what the client holds; only where resumed
 };
 
 /// All that sessions need of the world; server/app implements it, tests fake it. Every call happens on the io thread and
@@ -58,11 +78,18 @@ public:
 
     virtual HelloFacts hello_facts() const = 0;
     virtual ClockFacts clock_facts() const = 0;
-    /// The role that a hello's token gives, or why none. An empty token is a viewer's.
-    virtual Result<Role> role_for(const std::string& token) const = 0;
+    /// The role that a hello's ticket or token gives, or why none (token_required, token_refused). Both are good once: this
+    /// call uses them up. `loopback`: the peer is on this machine.
+    virtual Result<LoginDecision> login(const ClientHello& hello, bool loopback) = 0;
+    /// What lets this session's client come back as what it is.
+    virtual IssuedTicket new_ticket(uint64_t session, Role role) = 0;
 
     /// nullopt: the previous result still holds. Never nullopt without a previous one.
     virtual std::optional<MadeResult> make_result(const ResultRequest& request) = 0;
+    /// Checks what a client says it holds; whatever it says, at most one result is computed.
+    virtual Resumption resume(const ResumeState& claim) = 0;
+    /// The sums at a probe's points as this state has them; only the first points where their parts would be too many.
+    virtual ProbeReply probe(const InterestState& state, const Probe& probe) const = 0;
     /// What leads from one state to another, the patches in the order of priority under the key.
     virtual InterestDelta change(const InterestState& base, const InterestState& target,
                                  const CullKey& key) const = 0;

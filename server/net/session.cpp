@@ -15,6 +15,9 @@ namespace {
 constexpr int64_t parting_us = 2 * microseconds_per_second;
 // Messages of all kinds a second, above anything that the limits in the hello allow together.
 constexpr uint32_t messages_per_second = 1000;
+// A probe costs at most a few milliseconds.
+constexpr uint32_t probes_per_second = 2;
+constexpr uint32_t probes_at_once = 6;
 
 }  // namespace
 
@@ -27,12 +30,14 @@ Session::Session(SessionSurroundings& around, uint64_t id, std::unique_ptr<Trans
       view_rate_(around.limits.views_per_second, around.limits.views_per_second),
       command_rate_(around.limits.commands_per_second, around.limits.commands_per_second),
       message_rate_(messages_per_second, messages_per_second),
+      probe_rate_(probes_per_second, probes_at_once),
       view_timer_(around.loop),
       control_(around.limits.control_messages) {}
 
-void Session::start() {
+void Session::start(int64_t since_us) {
     around_.loop.assert_here();
-    started_us_ = heard_us_ = progress_us_ = monotonic_us();
+    started_us_ = since_us;
+    heard_us_ = progress_us_ = monotonic_us();
     arm_reading();
 }
 
@@ -69,7 +74,7 @@ void Session::end(ErrorCode code, const std::string& reason) {
     spdlog::info("session {} from {} ended: {} {} ({}), {:.1f} s, in {} bytes, out {} bytes", id_, peer_,
                  static_cast<unsigned>(end_code_), error_class(end_code_), end_reason_,
                  static_cast<double>(monotonic_us() - started_us_) * 1e-6, bytes_in_, bytes_out_);
-    around_.ended(id_);
+    around_.ended(id_, end_code_);
 }
 
 void Session::log_start() const {

@@ -18,6 +18,7 @@
 #include "server/net/state_lane.hpp"
 #include "server/net/terrain_lane.hpp"
 #include "server/net/transport.hpp"
+#include "server/net/view_motion.hpp"
 
 namespace trochoid {
 
@@ -30,7 +31,9 @@ struct SessionSurroundings {
     /// Reading happens into one buffer for all: an idle session owns none.
     std::span<uint8_t> read_buffer;
     /// Called once when a session is over, last thing.
-    std::function<void(uint64_t id)> ended;
+    std::function<void(uint64_t id, ErrorCode code)> ended;
+    /// How an earlier session of this node ended; none where it has not, or where too many have since.
+    std::function<ErrorCode(uint64_t id)> how_ended;
 };
 
 /// One client, from its first byte to its end, on the io thread: magic, hello, then four lanes out by priority (control,
@@ -41,8 +44,8 @@ public:
     Session(const Session&) = delete;
     Session& operator=(const Session&) = delete;
 
-    /// Begins to read; the hello deadline runs from here.
-    void start();
+    /// Begins to read. `since_us`: when the connection came (monotonic, microseconds); the hello deadline runs from then.
+    void start(int64_t since_us);
     /// Says goodbye and ends. Without effect on a session that is already ending.
     void part(Goodbye goodbye);
     /// The world has changed: the next result is decided as soon as it can be written.
@@ -75,10 +78,12 @@ private:
     void handle(const Command& command);
     void handle(SampleRequest& request);
     void handle(const RaysRequest& request);
-    void handle(const Probe& probe);
+    void handle(Probe& probe);
     void handle(const Desync& desync);
     void handle(const Goodbye& goodbye);
-    Result<Role> welcome(const ClientHello& hello) const;
+    Result<Done> probes_promised() const;
+    void resume(const ResumeState& claim);
+    Result<LoginDecision> welcome(const ClientHello& hello) const;
     Result<Done> fits(const std::vector<SyncRegion>& regions) const;
     Result<Done> in_time(const ClientMessage& message);
     void check_known_answer(uint64_t answer);
@@ -99,6 +104,7 @@ private:
     bool write_terrain(int64_t now_us);
     size_t put(const ServerMessage& message, uint64_t& lane_bytes);
     std::deque<ServerMessage> answer_to(const Question& question);
+    ProbeReply answer_to(const Probe& probe);
 
     SessionSurroundings& around_;
     uint64_t id_;
@@ -106,6 +112,8 @@ private:
     std::string peer_;
     std::string software_;
     Role role_ = Role::viewer;
+    uint64_t last_session_ = 0;  // that the client comes back from; 0: none, or not known
+    uint16_t protocol_ = 0;      // version in use, from the hello on
     Stage stage_ = Stage::hello;
     int64_t started_us_ = 0;
     int64_t heard_us_ = 0;     // last bytes from the client
@@ -117,13 +125,17 @@ private:
     FrameReader frames_;
     Bytes unread_;  // what was read but not taken, because questions wait for their answers
     bool reading_armed_ = false;
+    bool taking_ = false;     // in the middle of what has been read; a flush follows
     int64_t read_at_us_ = 0;  // when the bytes being handled were read
     RateLimit view_rate_;
     RateLimit command_rate_;
     RateLimit message_rate_;
+    RateLimit probe_rate_;
+    int64_t desync_at_us_ = INT64_MIN / 2;  // when the client told of a difference last
     SequenceRule sequence_;
 
     ViewState view_;
+    ViewMotion view_motion_;
     std::vector<SyncRegion> regions_;
     bool view_news_ = false;     // a view that no result was decided from yet
     bool sea_news_ = false;      // anything else that calls for a result
@@ -135,6 +147,8 @@ private:
     bool challenge_open_ = false;
     Verdict verdict_ = Verdict::pending;
     int resyncs_in_a_row_ = 0;
+    bool resumed_ = false;
+    bool result_owed_ = false;  // after a resume the client is told something even where nothing has changed
 
     ControlLane control_;
     StateLane state_;

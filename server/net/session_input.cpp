@@ -1,6 +1,8 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
+#include <array>
 #include <random>
 #include <utility>
 
@@ -9,6 +11,7 @@
 #include "protocol/units/version.hpp"
 #include "protocol/wire/requirements.hpp"
 #include "server/net/monotonic.hpp"
+#include "server/net/peer_address.hpp"
 #include "server/net/session.hpp"
 
 namespace trochoid {
@@ -19,8 +22,19 @@ namespace {
 constexpr uint32_t challenge_points = 64;
 // A client that still disagrees after so many snapshots in a row computes another hash: no use in sending more.
 constexpr int most_resyncs_in_a_row = 4;
-// Reads in one go before others get their turn.
-constexpr int reads_in_a_row = 4;
+// Read in one turn; then others get theirs. Some dozen small messages: whoever floods holds up the rest for a tenth of a millisecond.
+constexpr size_t bytes_a_turn = 1024;
+// Protocol versions from which on there are such things.
+constexpr uint16_t first_with_resume = 3;
+constexpr uint16_t first_with_probes = 3;
+// A client that finds difference after difference costs a snapshot each.
+constexpr int64_t desync_interval_us = 5 * microseconds_per_second;
+
+// Whether a payload has the file identifier of a client's message, behind the root's offset.
+bool is_a_clients(std::span<const uint8_t> payload) {
+    constexpr std::array<uint8_t, 4> identifier{'T', 'R', 'C', 'C'};
+    return payload.size() >= 8 && std::equal(identifier.begin(), identifier.end(), payload.begin() + 4);
+}
 
 uint64_t random_seed() {
     std::random_device device;
@@ -40,18 +54,27 @@ void Session::arm_reading() {
 void Session::on_readable() {
     around_.loop.assert_here();
     reading_armed_ = false;
-    for (int i = 0; i < reads_in_a_row && stage_ != Stage::ended && !answers_.full(); ++i) {
-        const Transport::Moved moved = transport_->read(around_.read_buffer);
-        if (moved.closed) {
-            end(ErrorCode::client_closed, "the connection was closed without a goodbye");
-            return;
+    if (stage_ == Stage::ended || answers_.full()) return;
+    // While parting what comes is thrown away: as much as comes.
+    const Transport::Moved moved = transport_->read(
+        stage_ == Stage::parting ? around_.read_buffer : around_.read_buffer.first(bytes_a_turn));
+    if (moved.closed) {
+        end(ErrorCode::client_closed, "the connection was closed without a goodbye");
+        return;
+    }
+    if (moved.bytes == 0) {
+        if (const auto fault = transport_->fault()) {
+            Goodbye goodbye = goodbye_for(fault->error);
+            if (fault->requirement != 0) goodbye.requirement = fault->requirement;
+            part(std::move(goodbye));
         }
-        if (moved.bytes == 0) break;
-        if (stage_ == Stage::parting) continue;
+    } else if (stage_ != Stage::parting) {
         read_at_us_ = heard_us_ = monotonic_us();
         bytes_in_ += moved.bytes;
         around_.stats.bytes_in += moved.bytes;
+        taking_ = true;  // the answers go out together, in one write
         take_frames(around_.read_buffer.first(moved.bytes));
+        taking_ = false;
     }
     flush();
     arm_reading();
@@ -79,7 +102,9 @@ void Session::take_frame(std::span<const uint8_t> payload) {
     ++around_.stats.frames_in;
     Result<ClientMessage> message = decode_client(payload);
     if (!message) {
-        refuse(message.error());
+        Goodbye goodbye = goodbye_for(message.error());
+        if (!is_a_clients(payload)) goodbye.requirement = requirement::file_identifier;
+        part(goodbye);
         return;
     }
     const Result<Done> timely = in_time(*message);
@@ -109,7 +134,7 @@ Result<Done> Session::in_time(const ClientMessage& message) {
     return Done{};
 }
 
-Result<Role> Session::welcome(const ClientHello& hello) const {
+Result<LoginDecision> Session::welcome(const ClientHello& hello) const {
     const Result<uint16_t> version = common_version(hello);
     if (!version) return version.error();
     const std::string world = around_.sea.hello_facts().world;
@@ -119,7 +144,7 @@ Result<Role> Session::welcome(const ClientHello& hello) const {
                                  hello.world)};
     const Result<Done> regions = fits(hello.regions);
     if (!regions) return regions.error();
-    return around_.sea.role_for(hello.token);
+    return around_.sea.login(hello, peer_address(peer_).loopback);
 }
 
 Result<Done> Session::fits(const std::vector<SyncRegion>& regions) const {
@@ -141,14 +166,15 @@ ServerHello Session::server_hello(const ClientHello& hello) {
     challenge_open_ = true;
     has_terrain_ = facts.terrain.columns > 0;
     ServerHello reply;
-    reply.protocol = *common_version(hello);
+    reply.protocol = protocol_;
     reply.model = model_version;
     reply.schema_hash = schema_hash();
     reply.software = fmt::format("trochoid-server {}", software_version());
     reply.session = id_;
     reply.world = facts.world;
     reply.instance = facts.instance;
-    reply.role = role_;
+    // Version 2 knows no admins.
+    reply.role = reply.protocol < 3 ? std::min(role_, Role::director) : role_;
     reply.log_position = facts.log_position;
     reply.clock = facts.clock;
     reply.client_stamp_us = hello.clock_stamp_us;
@@ -159,32 +185,59 @@ ServerHello Session::server_hello(const ClientHello& hello) {
     reply.origin_lon = facts.origin_lon;
     reply.origin_lat = facts.origin_lat;
     reply.terrain = facts.terrain;
+    reply.capabilities = capability_probes | capability_resume;
+    reply.resumed = resumed_;
+    IssuedTicket issued = around_.sea.new_ticket(id_, role_);
+    reply.ticket = std::move(issued.ticket);
+    reply.ticket_life_ms = issued.life_ms;
+    reply.last_session = last_session_;
+    reply.last_code = around_.how_ended(last_session_);
     reply.server_now_us = monotonic_us();
     return reply;
 }
 
 void Session::handle(ClientHello& hello) {
-    const Result<Role> role = welcome(hello);
-    if (!role) {
-        refuse(role.error());
+    const Result<LoginDecision> decision = welcome(hello);
+    if (!decision) {
+        refuse(decision.error());
         return;
     }
-    role_ = *role;
+    role_ = decision->role;
+    last_session_ = decision->last_session;
+    protocol_ = *common_version(hello);
     stage_ = Stage::live;
     frames_.set_longest(around_.limits.frame_after_login);
+    transport_->set_longest(around_.limits.frame_after_login);
     software_ = hello.software;
     view_ = hello.view;
     regions_ = std::move(hello.regions);
     sea_news_ = true;
     progress_us_ = read_at_us_;
     ++around_.stats.sessions_started;
+    if (hello.last_code != ErrorCode::none) ++around_.stats.clients_ends[hello.last_code];
     log_start();
+    if (hello.resume && protocol_ >= first_with_resume) resume(*hello.resume);
     send(server_hello(hello));
+}
+
+// Whatever the client claims, its session begins; only what it is sent first differs.
+void Session::resume(const ResumeState& claim) {
+    Resumption resumption{ResumeVerdict::no_such_key, {}};
+    if (fits(claim.key.regions) && claim.key.patch_limit <= around_.limits.patches)
+        resumption = around_.sea.resume(claim);
+    ++around_.stats.resumes[resumption.verdict];
+    spdlog::info("session {}: resume from log position {}: {}", id_, claim.key.log_position.value,
+                 name_of(resumption.verdict));
+    if (resumption.verdict != ResumeVerdict::resumed) return;
+    resumed_ = result_owed_ = true;
+    refresh_at_us_ = resumption.held.refresh_at_us;
+    state_.resume(std::move(resumption.held));
 }
 
 void Session::handle(const ViewUpdate& update) {
     ++around_.stats.views;
     if (view_news_) ++around_.stats.views_superseded;
+    view_motion_.take(view_, update.view, read_at_us_);
     view_ = update.view;
     view_news_ = true;
 }
@@ -221,7 +274,7 @@ void Session::handle(const Ack& ack) {
             Goodbye goodbye = goodbye_for(
                 {ErrorCode::value_out_of_range,
                  fmt::format("result {} is acknowledged but was never written whole", ack.result)});
-            goodbye.requirement = requirement::result_order;
+            goodbye.requirement = requirement::whole_results;
             part(goodbye);
             return;
         }
@@ -288,16 +341,41 @@ void Session::handle(SampleRequest& request) { answers_.ask(std::move(request));
 
 void Session::handle(const RaysRequest& request) { answers_.ask(request); }
 
-// Our hello promises no probes.
-void Session::handle(const Probe& probe) {
-    refuse({ErrorCode::unexpected_message, "this server answers no probes: its hello does not promise them"},
-           probe.sequence);
+Result<Done> Session::probes_promised() const {
+    if (protocol_ >= first_with_probes) return Done{};
+    return Error{ErrorCode::unexpected_message,
+                 fmt::format("there are no probes in protocol version {}: ask for version {} in the hello",
+                             protocol_, first_with_probes)};
+}
+
+void Session::handle(Probe& probe) {
+    if (const auto ok = probes_promised(); !ok) return refuse(ok.error(), probe.sequence);
+    if (probe_rate_.take(read_at_us_)) return answers_.ask(std::move(probe));
+    ++around_.stats.refused[ErrorCode::rate_limited];
+    CommandReply reply;
+    reply.sequence = probe.sequence;
+    reply.code = ErrorCode::rate_limited;
+    reply.message = "too many probes: ask again in a second";
+    send(reply);
 }
 
 void Session::handle(const Desync& desync) {
-    refuse({ErrorCode::unexpected_message,
-            "this server has answered no probe that could have found a difference"},
-           desync.sequence);
+    if (const auto ok = probes_promised(); !ok) return refuse(ok.error(), desync.sequence);
+    if (read_at_us_ - desync_at_us_ < desync_interval_us)
+        return refuse({ErrorCode::rate_limited,
+                       fmt::format("two differences within {} s: wait for the snapshot before probing again",
+                                   desync_interval_us / microseconds_per_second)},
+                      desync.sequence);
+    desync_at_us_ = read_at_us_;
+    const PartKind kind = kind_of(desync.box, desync.part);
+    ++around_.stats.desyncs[kind];
+    spdlog::error(
+        "session {}: another sea after result {}, in patch {} {} {}, box {}, {} {}: sea time {} us at x {} z {} (lattice "
+        "units): {:016x} here, {:016x} there; starting again from nothing",
+        id_, desync.result, desync.patch.level, desync.patch.x, desync.patch.z, desync.box.value,
+        name_of(kind), desync.part, desync.time.us, desync.at.x, desync.at.z, desync.expected, desync.actual);
+    state_.resync();
+    sea_news_ = true;
 }
 
 void Session::handle(const Goodbye& goodbye) {

@@ -24,7 +24,7 @@ void Session::send(const ServerMessage& message) {
                 "answers pile up because the client does not read: connect again and keep reading"});
         return;
     }
-    flush();
+    if (!taking_ || control_.half_full()) flush();
 }
 
 // Hands over what is begun and the control lane, as far as the socket takes it; then sees what else there is to do.
@@ -53,7 +53,7 @@ void Session::flush() {
     }
     if (stage_ == Stage::parting && !finished_) {
         finished_ = true;
-        transport_->finish();
+        transport_->finish(end_code_);
     }
     if (stage_ != Stage::live) return;
     const int64_t now_us = monotonic_us();
@@ -124,9 +124,11 @@ void Session::begin_result(int64_t now_us) {
     sea_news_ = view_news_ = false;
     considered_us_ = now_us;
     terrain_news_ = true;
-    std::optional<MadeResult> made =
-        around_.sea.make_result({view_, regions_, state_.key(), state_.round_trip_us()});
+    std::optional<MadeResult> made = around_.sea.make_result(
+        {view_, regions_, state_.key(), state_.round_trip_us(), view_motion_.turn(now_us)});
     TROCHOID_ASSERT(made || state_.key() != nullptr, "session {} got no first result", id_);
+    const bool owed = std::exchange(result_owed_, false);
+    if (!made && owed) state_.begin_marker(around_.sea.clock_facts().watermark);
     if (!made) return;
     refresh_at_us_ = made->refresh_at_us;
     const InterestDelta change = around_.sea.change(*state_.base(), *made->state, made->key);
@@ -162,10 +164,24 @@ std::deque<ServerMessage> Session::answer_to(const Question& question) {
         if (!reply) return refusal(sample->sequence, reply.error());
         return {std::move(*reply)};
     }
+    if (const auto* probe = std::get_if<Probe>(&question)) return {answer_to(*probe)};
     const auto& request = std::get<RaysRequest>(question);
     Result<RaysReply> reply = around_.sea.rays(request);
     if (!reply) return refusal(request.sequence, reply.error());
     return in_pieces(std::move(*reply));
+}
+
+// Only the state that the client is known to have been sent whole is compared: of any other it may hold a part.
+ProbeReply Session::answer_to(const Probe& probe) {
+    ++around_.stats.probes;
+    if (probe.result == state_.held()) return around_.sea.probe(*state_.base(), probe);
+    ++around_.stats.stale_probes;
+    ProbeReply reply;
+    reply.sequence = probe.sequence;
+    reply.result = probe.result;
+    reply.time = probe.time;
+    reply.stale = true;
+    return reply;
 }
 
 bool Session::write_answer() {

@@ -19,8 +19,14 @@ public:
     SessionServer(const SessionServer&) = delete;
     SessionServer& operator=(const SessionServer&) = delete;
 
-    /// Takes a new connection; beyond Limits::sessions it only gets a goodbye.
+    /// Takes a new connection, which came at `since_us` (monotonic, microseconds); beyond Limits::sessions it only gets a
+    /// goodbye.
+    void accept(std::unique_ptr<Transport> transport, int64_t since_us);
     void accept(std::unique_ptr<Transport> transport);
+    /// Takes a connection only to say goodbye.
+    void turn_away(std::unique_ptr<Transport> transport, const Error& why, int64_t since_us);
+    /// Counts the end of a connection that never became a session.
+    void count_end(ErrorCode code);
     /// The world has changed: every session decides its next result.
     void sea_changed();
     /// Says goodbye (shutting_down, with a retry time that differs from session to session) to all, takes nobody new,
@@ -31,7 +37,9 @@ public:
 
 private:
     void sweep();
-    void forget(uint64_t id);
+    void forget(uint64_t id, ErrorCode code);
+    ErrorCode how_ended(uint64_t id) const;
+    Session& open(std::unique_ptr<Transport> transport, int64_t since_us);
     static Goodbye farewell(const Error& error, uint64_t id);
     std::vector<std::shared_ptr<Session>> all() const;
 
@@ -41,7 +49,9 @@ private:
     SessionSurroundings around_;
     LoopTimer sweep_timer_;
     std::map<uint64_t, std::shared_ptr<Session>> sessions_;
-    uint64_t next_id_ = 1;
+    /// A session's number: of this node above, in order below. 0 is none.
+    uint64_t next_id_;
+    std::map<uint64_t, ErrorCode> ends_;  // of the sessions that ended last
     bool draining_ = false;
     std::function<void()> drained_;
 };

@@ -32,6 +32,15 @@ void StateLane::begin(MadeResult made, const InterestDelta& change, size_t most_
     has_key_ = true;
 }
 
+void StateLane::resume(MadeResult held) {
+    TROCHOID_ASSERT(result_ == 0, "a session resumes after result {}", result_);
+    result_ = base_result_ = acknowledged_ = 1;
+    base_ = std::move(held.state);
+    base_hash_ = result_hash_ = hash_of(*base_);
+    key_ = std::move(held.key);
+    has_key_ = true;
+}
+
 void StateLane::begin_marker(SeaTime watermark) {
     TROCHOID_ASSERT(has_key_, "a marker before the first result");
     begin({key_, base_, watermark, 0}, {}, window_bytes);

@@ -37,6 +37,10 @@ public:
     bool writing() const { return next_piece_ < pieces_.size(); }
     /// Begins a result: `change` leads from base() to made.state, patches in order of priority.
     void begin(MadeResult made, const InterestDelta& change, size_t most_piece_bytes);
+    /// What the client holds from an earlier session counts as result 1, acknowledged. Before anything is begun.
+    void resume(MadeResult held);
+    /// Number of the result that base() is and that the client has been sent whole; 0: none, one is being written or base() was forgotten.
+    uint32_t held() const { return writing() || forget_after_result_ ? 0 : base_result_; }
     /// An empty result under the last key: its ack tells that what was written before has been read.
     void begin_marker(SeaTime watermark);
     /// The next piece, to be written now; `wrote` follows.

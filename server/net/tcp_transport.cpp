@@ -55,7 +55,7 @@ public:
         const size_t taken = socket_.write_some(asio::buffer(bytes.data(), bytes.size()), failed);
         return moved(taken, failed);
     }
-    void finish() override {
+    void finish(ErrorCode) override {
         error_code ignored;
         socket_.shutdown(Tcp::socket::shutdown_send, ignored);
     }

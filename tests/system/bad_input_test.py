@@ -45,8 +45,13 @@ class BadStart(ProgramTest):
         for address in ("0.0.0.0", "::", "192.0.2.1"):
             self.assert_ends(self.start("--scene", scene("open-sea"), "--bind", address), 2, address, "loopback")
 
-    def test_token_files(self):
-        self.assert_ends(self.start("--scene", scene("open-sea"), "--director-token-file", "/nowhere/token"), 2, "/nowhere/token")
+    def test_key_files(self):
+        sea = ("--scene", scene("open-sea"))
+        self.assert_ends(self.start(*sea, "--token-key", "/nowhere/key"), 2, "--token-key /nowhere/key")
+        self.assert_ends(self.start(*sea, "--ticket-key", "/nowhere/key"), 2, "--ticket-key /nowhere/key")
+        self.assert_ends(self.start(*sea, "--token-key", scene("open-sea")), 2, "no public Ed25519 key", "new-key")
+        self.assert_ends(self.start(*sea, "--ticket-key", scene("open-sea")), 2, "openssl rand -hex 32")
+        self.assert_ends(self.start(*sea, "--viewer-tokens", "always"), 2, "--token-key")
 
 
 class NobodyThere(ProgramTest):

@@ -74,9 +74,53 @@ class Ctl(ProgramTest):
             self.assert_ends(self.server.ctl(*command, token=False), 1, "301", "token")
         for command in (SHIP, ("steer", 1, "--towards", 1, "--speed", 1), MOLE):
             self.assert_ends(self.server.ctl(*command, token=False), 1, "301", "token")
-        wrong = self.server.token_file.with_name("wrong")
-        wrong.write_text("another token\n")
-        self.assert_ends(self.server.ctl("--token-file", wrong, "list", token=False), 1, "token")
+
+    def test_a_token_is_good_once(self):
+        token = self.server.token("director", "open sea")
+        def ctl(*words):
+            return self.server.ctl("--token-file", token, *words, token=False)
+        self.assert_ends(ctl("stop-wind", 4_000_000), 1, "602")
+        self.assert_ends(ctl("list"), 1, "used already")
+        self.server.token("director", "open sea")
+        self.assert_ends(ctl("time", "--rate", 1), 1, "301", "admin")
+        self.server.token("admin", "open sea")
+        self.assert_ends(ctl("time", "--rate", 1), 0, "rate 1", stream="stdout")
+        self.server.token("director", "another sea")
+        self.assert_ends(ctl("list"), 1, "another world", "--world 'open sea'")
+        self.server.token("viewer", "open sea", "--for", "1h")
+        self.assert_ends(ctl(*WIND), 1, "301", "director")
+
+    def test_time_goes_forward(self):
+        before = self.server.sea_time_s()
+        skipped = self.server.ctl_json("time", "--skip", 3600)
+        self.assertGreater(skipped["effective_s"], before + 3600)
+        time.sleep(1)
+        self.assertGreater(self.server.sea_time_s(), before + 3600)
+        self.assert_ends(self.server.ctl("time", "--skip", 60, token=False), 1, "301", "admin")
+
+    def test_keys_that_nobody_knows(self):
+        stranger = self.server.key_file.with_name("stranger")
+        self.assert_ends(run("trochoid-ctl", "token", "new-key", stranger), 0, f"{stranger}.pub", stream="stdout")
+        self.assert_ends(run("trochoid-ctl", "token", "new-key", stranger), 2, "not written over")
+        self.assertEqual(stranger.stat().st_mode & 0o777, 0o600)
+        self.assert_ends(self.server.ctl("--sign-with", stranger, "list", token=False), 1, "not signed by a key")
+        self.assert_ends(self.server.ctl("--sign-with", f"{stranger}.pub", "list", token=False), 2, "no private Ed25519 key")
+        stranger.chmod(0o644)
+        warned = self.server.ctl("--sign-with", stranger, "list", token=False)
+        self.assert_ends(warned, 1, "warning", f"chmod 600 {stranger}")
+
+    def test_tokens_are_shown(self):
+        token = self.server.token("director", "Süd see", "--for", "5m")
+        shown = run("trochoid-ctl", "token", "show", token, "--pub", f"{self.server.key_file}.pub")
+        self.assert_ends(shown, 0, "director", "Süd see", "signature  good", stream="stdout")
+        told = json.loads(run("trochoid-ctl", "token", "show", token.read_text().strip(), "--json").stdout)
+        self.assertEqual((told["role"], told["world"], told["signature"]), ("director", "Süd see", "not checked"))
+        self.assertEqual(told["expiry"] - told["issued"], 300)
+        other = self.server.key_file.with_name("other")
+        run("trochoid-ctl", "token", "new-key", other)
+        wrong = run("trochoid-ctl", "token", "show", token, "--pub", f"{other}.pub")
+        self.assert_ends(wrong, 1, "signature  wrong", stream="stdout")
+        self.assert_ends(run("trochoid-ctl", "token", "show", "trochoid1.a.b"), 2, "TOKEN")
 
     def test_unknown_box(self):
         self.assert_ends(self.server.ctl("stop-wind", 4_000_000), 1, "602", "trochoid-ctl list")
@@ -134,7 +178,7 @@ class Ctl(ProgramTest):
 
     def test_bad_options_say_what_to_do(self):
         ctl = self.server.ctl
-        self.assert_ends(ctl(), 2, "start-wind, start-ship, steer, stop-wind, breakwater, list or time")
+        self.assert_ends(ctl(), 2, "start-wind, start-ship, steer, stop-wind, breakwater, list, time or token")
         self.assert_ends(ctl(*WIND, "--round", "nan"), 2, "--round", "0 to 1", "--help")
         self.assert_ends(ctl(*WIND, "--directions", 3), 2, "--directions 3 does not divide")
         self.assert_ends(ctl(*WIND, "--spectrum", "pink"), 2, "pink", "jonswap", "--help")
@@ -150,16 +194,26 @@ class Ctl(ProgramTest):
         self.assert_ends(ctl(*WIND, "--at", 3, "--in", 3), 2, "--at")
         self.assert_ends(ctl("stop-wind", "0"), 2, "BOX")
         self.assert_ends(run("trochoid-ctl", "--connect", "7421", "list"), 2, "127.0.0.1:7421")
-        self.assert_ends(run("trochoid-ctl", "--token-file", "/nowhere/token", "list"), 2, "/nowhere/token")
-        empty = self.server.token_file.with_name("empty")
+        self.assert_ends(run("trochoid-ctl", "--token-file", "/nowhere/token", "list"), 2, "--token-file /nowhere/token")
+        self.assert_ends(run("trochoid-ctl", "--sign-with", "/nowhere/key", "list"), 2, "--sign-with /nowhere/key")
+        empty = self.server.key_file.with_name("empty")
         empty.write_text("\n")
         self.assert_ends(run("trochoid-ctl", "--token-file", empty, "list"), 2, "holds no token")
+        key = self.server.key_file
+        self.assert_ends(ctl("--token-file", empty, "list"), 2, "--token-file and --sign-with")
+        self.assert_ends(run("trochoid-ctl", "--world", "w", "list"), 2, "--world", "--sign-with")
+        self.assert_ends(run("trochoid-ctl", "token"), 2, "new-key", "make", "show")
+        make = ("token", "make", "--key", key, "--role", "director", "--world", "w")
+        for life in ("0", "61m", "1.5h", "2 h", "-1s", "99999999999999999999"):
+            self.assert_ends(run("trochoid-ctl", *make, f"--for={life}"), 2, "--for wants 1 s to 1 h")
+        self.assert_ends(run("trochoid-ctl", "token", "make", "--key", key, "--role", "king", "--world", "w"), 2, "king")
+        self.assert_ends(run("trochoid-ctl", "token", "make", "--key", key, "--role", "admin", "--world", "w" * 257), 2, "256")
 
     def test_help_and_version(self):
         for program in ("trochoid-ctl", "trochoid-probe", "trochoid-server"):
             self.assert_ends(run(program, "--version"), 0, program, "protocol", "model", stream="stdout")
             self.assert_ends(run(program, "--help"), 0, "Usage", stream="stdout")
-        for command in ("start-wind", "start-ship", "steer", "stop-wind", "stop", "breakwater", "list", "time"):
+        for command in ("start-wind", "start-ship", "steer", "stop-wind", "stop", "breakwater", "list", "time", "token"):
             self.assert_ends(run("trochoid-ctl", command, "--help"), 0, "Example", stream="stdout")
 
 

@@ -23,15 +23,14 @@ def commands(readme):
 
 
 def start_server(bin_dir, source, folder):
-    token, port_file = os.path.join(folder, "token"), os.path.join(folder, "port")
-    with open(token, "w", encoding="ascii") as file:
-        file.write("readme-test-token\n")
+    key, port_file = os.path.join(folder, "key"), os.path.join(folder, "port")
+    subprocess.run([os.path.join(bin_dir, "trochoid-ctl"), "token", "new-key", key], check=True, stdout=subprocess.DEVNULL)
     scene = os.path.join(source, "server/scenes/scilly/scene.toml")
     server = subprocess.Popen([os.path.join(bin_dir, "trochoid-server"), "--scene", scene, "--port", "0",
-                               "--port-file", port_file, "--director-token-file", token])
+                               "--port-file", port_file, "--token-key", key + ".pub"])
     for _ in range(1200):
         if os.path.exists(port_file):
-            return server, "127.0.0.1:" + open(port_file, encoding="ascii").read().strip(), token
+            return server, "127.0.0.1:" + open(port_file, encoding="ascii").read().strip(), key
         if server.poll() is not None:
             sys.exit(f"the server ended with {server.returncode}")
         time.sleep(0.1)
@@ -39,11 +38,11 @@ def start_server(bin_dir, source, folder):
     sys.exit("the server opened no port within two minutes")
 
 
-def translated(words, bin_dir, address, token, folder):
+def translated(words, bin_dir, address, key, folder):
     fixed = []
     for word in words:
         word = word.replace("/tmp/", folder + "/").replace("build/release/bin", bin_dir)
-        fixed.append({"HOST:PORT": address, "FILE": token}.get(word, word))
+        fixed.append({"HOST:PORT": address, "FILE": key}.get(word, word))
     # The scripts would build and test all over again; their help shows that they start and know their options.
     if fixed[0] in ("./demo.sh", "./test.sh", "tests/determinism/matrix"):
         known = subprocess.run([fixed[0], "--help"], capture_output=True, text=True, check=True).stdout
@@ -75,10 +74,10 @@ def main():
     os.chdir(source)
     failed = ran = 0
     with tempfile.TemporaryDirectory() as folder:
-        server, address, token = start_server(bin_dir, source, folder)
+        server, address, key = start_server(bin_dir, source, folder)
         try:
             for words in commands("README.md"):
-                run = subprocess.run(translated(words, bin_dir, address, token, folder), capture_output=True, text=True,
+                run = subprocess.run(translated(words, bin_dir, address, key, folder), capture_output=True, text=True,
                                      timeout=120, check=False)
                 ran += 1
                 good = run.returncode == 0 and run.stdout.strip() != ""

@@ -26,22 +26,21 @@ def run(program, *arguments, **options):
 
 
 class Server:
-    """A trochoid-server on a free port, with a director's token."""
-
-    token = "a token for tests"
+    """A trochoid-server on a free port, with a key that signs tokens."""
 
     def __init__(self, scene_file, *options):
         self._folder = tempfile.TemporaryDirectory(prefix="trochoid-test.")
         self._probes = []
         folder = pathlib.Path(self._folder.name)
-        self.token_file = folder / "token"
-        self.token_file.write_text(self.token + "\n")
+        self.key_file = folder / "key"
+        made = run("trochoid-ctl", "token", "new-key", self.key_file)
+        assert made.returncode == 0, made.stderr
         self.log_file = folder / "log"
         port_file = folder / "port"
         with open(self.log_file, "wb") as log:
             self.process = subprocess.Popen(
                 [BIN / "trochoid-server", "--scene", scene_file, "--port", "0", "--port-file", port_file,
-                 "--director-token-file", self.token_file, *map(str, options)],
+                 "--token-key", f"{self.key_file}.pub", *map(str, options)],
                 stdin=subprocess.DEVNULL, stdout=log, stderr=log)
         deadline = time.monotonic() + PATIENCE_S
         while not (port_file.exists() and port_file.read_text().strip()):
@@ -57,8 +56,15 @@ class Server:
         return self.log_file.read_text(errors="replace")
 
     def ctl(self, *arguments, token=True):
-        director = ("--token-file", self.token_file) if token else ()
-        return run("trochoid-ctl", "--connect", self.address, *director, *arguments)
+        login = ("--sign-with", self.key_file) if token else ()
+        return run("trochoid-ctl", "--connect", self.address, *login, *arguments)
+
+    def token(self, role, world, *options):
+        """The file of a new token."""
+        file = self.key_file.with_name("token")
+        made = run("trochoid-ctl", "token", "make", "--key", self.key_file, "--role", role, "--world", world, "--out", file, *options)
+        assert made.returncode == 0, made.stderr
+        return file
 
     def ctl_json(self, *arguments):
         done = self.ctl("--json", *arguments)

@@ -53,6 +53,8 @@ public:
 
     /// What all deltas so far add up to.
     const InterestState& state() const { return state_; }
+    /// What an earlier client held, for one that comes back.
+    void hold(const InterestState& state) { state_ = state; }
     uint64_t bytes_received() const;
     /// Ends the connection abruptly.
     void disconnect();

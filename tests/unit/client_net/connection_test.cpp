@@ -2,74 +2,15 @@
 
 #include <gtest/gtest.h>
 
-#include <condition_variable>
-#include <mutex>
 #include <optional>
 
 #include "protocol/codec/codec.hpp"
-#include "protocol/units/version.hpp"
 #include "protocol/wire/frame.hpp"
 #include "tests/support/net/raw_server.hpp"
+#include "tests/unit/client_net/dialler.hpp"
 
 namespace trochoid {
 namespace {
-
-/// A connection whose events a test can wait for.
-struct Dialler {
-    std::mutex mutex;
-    std::condition_variable news;
-    bool connected = false;
-    std::vector<ServerMessage> messages;
-    int closed_count = 0;
-    Goodbye goodbye;
-    CloseCause cause = CloseCause::closed_here;
-    NetLoop loop;
-    std::shared_ptr<Connection> connection;
-
-    explicit Dialler(Endpoint server) {
-        const auto note = [this](auto change) {
-            const std::lock_guard lock(mutex);
-            change();
-            news.notify_all();
-        };
-        connection = Connection::open(
-            loop, std::move(server),
-            {[=, this] { note([this] { connected = true; }); },
-             [=, this](ServerMessage m, int64_t) { note([this, &m] { messages.push_back(std::move(m)); }); },
-             [=, this](const Goodbye& g, CloseCause c) {
-                 note([this, &g, c] {
-                     ++closed_count;
-                     goodbye = g;
-                     cause = c;
-                 });
-             }});
-    }
-    ~Dialler() { loop.stop(); }
-    template <class Holds>
-    bool wait(Holds holds, std::chrono::seconds patience = std::chrono::seconds(8)) {
-        std::unique_lock lock(mutex);
-        return news.wait_for(lock, patience, holds);
-    }
-    bool ends() {
-        return wait([this] { return closed_count > 0; });
-    }
-    bool gets(size_t count) {
-        return wait([this, count] { return messages.size() >= count; });
-    }
-    void send(ClientMessage message) {
-        loop.post([this, message = std::move(message)] { connection->send(message); });
-    }
-    bool says(const char* words) const { return goodbye.message.find(words) != std::string::npos; }
-};
-
-ClientHello hello() {
-    ClientHello h;
-    h.protocol_min = protocol_version_min;
-    h.protocol_max = protocol_version_max;
-    h.model = model_version;
-    h.software = "test";
-    return h;
-}
 
 /// Both hellos exchanged.
 struct ConnectionTest : testing::Test {
@@ -77,7 +18,7 @@ struct ConnectionTest : testing::Test {
     std::optional<Dialler> client;
     void log_in() {
         client.emplace(Endpoint{"127.0.0.1", server.port()});
-        client->send(hello());
+        client->send(usual_client_hello());
         ASSERT_TRUE(server.log_in());
         ASSERT_TRUE(client->gets(1));
     }
@@ -85,7 +26,7 @@ struct ConnectionTest : testing::Test {
 
 TEST_F(ConnectionTest, what_is_sent_before_it_stands_arrives_after_the_magic) {
     client.emplace(Endpoint{"127.0.0.1", server.port()});
-    client->send(hello());
+    client->send(usual_client_hello());
     client->send(ClockRequest{1, 77});
     ASSERT_TRUE(server.log_in());
     const auto request = server.wait_for<ClockRequest>();
@@ -118,7 +59,8 @@ TEST_F(ConnectionTest, traffic_counts_all_bytes_of_both_directions) {
     const Traffic traffic = client->connection->traffic();
     ServerHello answered = RawServer::usual_hello();
     EXPECT_EQ(traffic.bytes_received, frame(encode(ServerMessage(answered))).size());
-    EXPECT_EQ(traffic.bytes_sent, stream_magic.size() + frame(encode(ClientMessage(hello()))).size());
+    EXPECT_EQ(traffic.bytes_sent,
+              stream_magic.size() + frame(encode(ClientMessage(usual_client_hello()))).size());
     EXPECT_EQ(traffic.frames_received, 1U);
     EXPECT_EQ(traffic.frames_sent, 1U);
 }
@@ -197,7 +139,7 @@ TEST_F(ConnectionTest, every_breach_is_answered_with_its_code) {
 
 TEST_F(ConnectionTest, another_program_on_the_port_is_named_as_such) {
     client.emplace(Endpoint{"127.0.0.1", server.port()});
-    client->send(hello());
+    client->send(usual_client_hello());
     ASSERT_TRUE(server.accept());
     const std::string http = "HTTP/1.1 400 Bad Request\r\n\r\n";
     server.send_bytes({reinterpret_cast<const uint8_t*>(http.data()), http.size()});

@@ -134,7 +134,7 @@ void expect_refused(const std::vector<const char*>& words, const char* says) {
 
 TEST(CtlOptions, bad_winds_say_what_is_wrong) {
     const auto is = [](std::vector<const char*> more, const char* says) {
-        expect_refused(wind_words(more), says);
+        expect_refused(wind_words(std::move(more)), says);
     };
     EXPECT_EQ(refused(wind_words({})), "");
     is({"--trains", "257"}, "--trains: 257 is not a number in 1 to 256");
@@ -289,9 +289,24 @@ TEST(CtlReport, refusals_say_what_to_do) {
     // The server's message says what to do; the program adds only how it is told to, once.
     EXPECT_EQ(said(ErrorCode::not_moving), "the server refuses (605 world): no");
     EXPECT_EQ(said(ErrorCode::unknown_box), "the server refuses (602 world): no (trochoid-ctl list)");
-    EXPECT_EQ(said(ErrorCode::token_required), "the server refuses (301 auth): no (--token-file FILE)");
+    EXPECT_EQ(said(ErrorCode::token_required), "the server refuses (301 auth): no (--sign-with KEY)");
     EXPECT_NE(said(ErrorCode::no_terrain).find("606"), std::string::npos);
     EXPECT_NE(said(ErrorCode::too_many_legs).find("409 resource"), std::string::npos);
+}
+
+TEST(Options, servers_in_every_form_and_whom_to_trust) {
+    EXPECT_EQ(ctl({"list", "--connect", "wss://sea.example"})->server,
+              (Endpoint{"sea.example", 443, Transport::wss}));
+    EXPECT_EQ(probe({"--point", "0,0", "--connect", "tls://[::1]:9"})->server,
+              (Endpoint{"::1", 9, Transport::tls}));
+    for (const char* file : {"/no/such/file.pem", ""}) {
+        expect_refused({"list", "--connect", "tls://a:1", "--ca", file}, "--ca");
+        EXPECT_THROW(probe({"--point", "0,0", "--connect", "tls://a:1", "--ca", file}), OperatorError);
+    }
+    const char* no_certificate = TROCHOID_SOURCE_DIR "/README.md";
+    expect_refused({"list", "--connect", "tls://a:1", "--ca", no_certificate}, "holds no certificate");
+    expect_refused({"list", "--ca", no_certificate}, "--connect tls://127.0.0.1:7421");
+    expect_refused({"list", "--connect", "http://a:1"}, "wss://sea.example:7421");
 }
 
 TEST(ProbeOptions, regions_and_points) {

@@ -102,10 +102,30 @@ TEST(EventLog, ABatchIsTakenWholeOrNotAtAll) {
     // The bytes alone make the hash, not how they came.
     InMemoryEventLog single;
     for (const StoredEvent& event : all) appended(single.append(event.position, event.event_id, event.bytes));
-    EXPECT_EQ(single.read({0}, 10), all);
+    auto one_by_one = single.read({0}, 10);
+    EXPECT_TRUE(one_by_one[1].closes);
+    one_by_one[1].closes = false;
+    EXPECT_EQ(one_by_one, all);
     // Sent again, as after a broken connection.
     EXPECT_EQ(appended(log.append({1}, batch)), both);
     EXPECT_EQ(log.read({0}, 10).size(), 3U);
+}
+
+TEST(EventLog, EventsThatCameTogetherSayWhereTheyEnd) {
+    InMemoryEventLog log;
+    appended(log.append({0}, 1, bytes_of("alone")));
+    const std::vector<NewEvent> three{{2, bytes_of("a")}, {3, bytes_of("b")}, {4, bytes_of("c")}};
+    appended(log.append({1}, three));
+    const auto all = log.read({0}, 10);
+    ASSERT_EQ(all.size(), 4U);
+    EXPECT_TRUE(all[0].closes);
+    EXPECT_FALSE(all[1].closes);
+    EXPECT_FALSE(all[2].closes);
+    EXPECT_TRUE(all[3].closes);
+    EXPECT_EQ(log.hash_at({0}), empty_log_hash);
+    for (uint64_t i = 0; i < 4; ++i) EXPECT_EQ(log.hash_at({i + 1}), all[i].log_hash);
+    EXPECT_EQ(log.hash_at({5}), std::nullopt);
+    EXPECT_EQ(log.hash_at({UINT64_MAX}), std::nullopt);
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "server/interest/cull.hpp"
+#include "server/interest/patch_selection.hpp"
 #include "tests/unit/interest/sample_world.hpp"
 
 namespace trochoid {
@@ -155,6 +156,22 @@ TEST(CullKey, BudgetRaisesTheErrorInForceInsteadOfDroppingPatches) {
     }
 }
 
+TEST(CullKey, WhateverIsChosenCouldBeChosenAndCostsNoMore) {
+    const Keys k;
+    for (const uint32_t budget : {1U, 16U, 64U, 256U, 1024U})
+        for (const float lens : {0.02F, 0.5F, 20.0F}) {
+            ViewState view = k.view;
+            view.patch_budget = budget;
+            view.tan_half_width = view.tan_half_height = lens;
+            const CullKey key = choose_key(k.index, view, {}, nullptr, now);
+            EXPECT_TRUE(could_be_chosen(key)) << budget << ' ' << lens;
+            EXPECT_TRUE(costs_no_more(k.index, key)) << budget << ' ' << lens;
+        }
+    CullKey dear = k.first;
+    dear.patch_limit = 3;
+    EXPECT_FALSE(costs_no_more(k.index, dear));
+}
+
 TEST(CullKey, ErrorInForceFallsStepByStepOnceThereIsRoom) {
     const Keys k;
     CullKey key = k.first;
@@ -186,6 +203,34 @@ TEST(CullKey, HostileDemandsEndSoon) {
     const CullResult r = cull(k.index, wide);
     EXPECT_EQ(r.report.delivered, 1U);
     EXPECT_GT(r.report.over_limit, 0U) << "dropped and said so";
+}
+
+// What may come back as a client's own key: all that are chosen, and none that would cost more than a view does.
+TEST(CullKey, ChosenKeysAreToldFromForgedOnes) {
+    const Keys k;
+    CullKey key = k.first;
+    ViewState view = k.view;
+    for (int i = 0; i < 60; ++i) {
+        EXPECT_TRUE(could_be_chosen(key)) << i;
+        EXPECT_TRUE(fits_limit(k.index, key)) << i;
+        view = moved(view, static_cast<double>(i % 7));
+        view.altitude += i * 1024;
+        view.vx = static_cast<float>(i * 3 % 40);
+        if (i % 20 == 19) view.patch_budget = 300;
+        key = choose_key(k.index, view, {}, &key, now + i * 3'000'000);
+    }
+    const auto forged = [&](const auto& change) {
+        CullKey other = k.first;
+        change(other);
+        return !could_be_chosen(other);
+    };
+    EXPECT_TRUE(forged([](CullKey& c) { c.slack = UINT32_MAX; }));
+    EXPECT_TRUE(forged([](CullKey& c) { c.slack = 0; }));
+    EXPECT_TRUE(forged([](CullKey& c) { c.slack_tangent = 1.0F; }));
+    EXPECT_TRUE(forged([](CullKey& c) { c.error_in_force_px = 0.01F; }));
+    EXPECT_TRUE(forged([](CullKey& c) { c.patch_limit = 1024; }));
+    EXPECT_TRUE(forged([](CullKey& c) { c.until = c.until + 1; }));
+    EXPECT_TRUE(forged([](CullKey& c) { c.anchor.tan_half_width = 1000.0F; }));
 }
 
 }  // namespace

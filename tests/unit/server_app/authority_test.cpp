@@ -148,7 +148,7 @@ TEST_F(RealServer, ViewersMayListButNotCommand) {
     const auto refused = viewer.wait_for<CommandReply>();
     ASSERT_TRUE(refused);
     EXPECT_EQ(refused->code, ErrorCode::token_required);
-    EXPECT_NE(refused->message.find("--director-token-file"), std::string::npos);
+    EXPECT_NE(refused->message.find("--token-key"), std::string::npos);
     viewer.send(Command{2, {}, false, ListBoxes{}});
     const auto list = viewer.wait_for<BoxList>();
     ASSERT_TRUE(list);

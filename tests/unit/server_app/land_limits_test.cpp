@@ -1,8 +1,6 @@
 // Land costs memory and time: what bounds both, through the whole server.
 #include <gtest/gtest.h>
 
-#include <filesystem>
-#include <fstream>
 #include <set>
 
 #include "protocol/codec/codec.hpp"
@@ -281,23 +279,15 @@ TEST_F(LandLimits, WaitingChangesOfTheLandAreTracedTogether) {
 
 class LandOfSessions : public LandLimits {
 protected:
-    void start_with_token() {
-        const auto file = std::filesystem::path(testing::TempDir()) / "land-limits-token";
-        std::ofstream(file) << "a director's token";
-        token = DirectorToken(file);
-        start(island(), scene_with_wind());
-    }
     std::unique_ptr<RawClient> director() {
         auto client = std::make_unique<RawClient>(listener->port());
-        ClientHello hello = RawClient::usual_hello();
-        hello.token = "a director's token";
-        EXPECT_TRUE(client->log_in(hello));
+        EXPECT_TRUE(client->log_in(hello_as(Role::director)));
         return client;
     }
 };
 
 TEST_F(LandOfSessions, OneSessionsCommandsDoNotFillTheQueue) {
-    start_with_token();
+    start(island(), scene_with_wind());
     const auto greedy = director();
     const auto modest = director();
     constexpr uint32_t asked = 18;
@@ -323,7 +313,7 @@ TEST_F(LandOfSessions, OneSessionsCommandsDoNotFillTheQueue) {
 }
 
 TEST_F(LandOfSessions, WhatASessionThatIsOverHasLeftWaitingIsDropped) {
-    start_with_token();
+    start(island(), scene_with_wind());
     auto gone = director();
     for (uint32_t i = 1; i <= 9; ++i) gone->send(Command{i, {}, false, wind_over_the_origin()});
     gone->disconnect();

@@ -51,7 +51,7 @@ protected:
         worker = std::make_unique<LandWorker>(loop, terrain, land_settings_of(scene.land));
         authority = std::make_unique<SeaAuthority>(loop, *world, log, *worker, lead_ms);
         authority->open(scene);
-        sea = std::make_unique<SeaService>(*authority, WorldInstance{}, token);
+        sea = std::make_unique<SeaService>(*authority, WorldInstance{}, *door);
         sessions = std::make_unique<SessionServer>(loop, *sea, Limits{});
         authority->on_change([this] { sessions->sea_changed(); });
         listener = std::make_unique<Listener>(loop, ListenAddresses{}, [this](std::unique_ptr<Transport> t) {
@@ -90,7 +90,22 @@ protected:
         return on_loop([this] { return authority->watermark(); });
     }
 
-    DirectorToken token;  // set before start
+    static SigningKey test_key() {
+        std::array<uint8_t, SigningKey::bytes> seed{};
+        seed[0] = 7;
+        return SigningKey::from_seed(seed);
+    }
+    /// A hello with a fresh token for the world of `scene_with_wind`.
+    static ClientHello hello_as(Role role) {
+        ClientHello hello = RawClient::usual_hello();
+        const UnixSeconds now = unix_now();
+        hello.token = sign_token({role, now, {now.value + 60}, random_nonce(), "test"}, test_key());
+        return hello;
+    }
+
+    std::unique_ptr<TokenDoor> door =
+        std::make_unique<TokenDoor>(TokenKeys({test_key().public_key()}), TicketKey::random(),
+                                    ViewerTokens::off_loopback);  // replace before start
     size_t most_land_blocks = usual_land_blocks;
     IoLoop loop;
     InMemoryEventLog log;

@@ -2,6 +2,7 @@
 
 #include "protocol/units/hash.hpp"
 #include "server/net/monotonic.hpp"
+#include "server/net/probe_answer.hpp"
 
 namespace trochoid {
 
@@ -33,10 +34,23 @@ HelloFacts FakeSea::hello_facts() const {
 
 ClockFacts FakeSea::clock_facts() const { return {SeaClock{}, SeaTime{1000}, LogPosition{revision}, 99}; }
 
-Result<Role> FakeSea::role_for(const std::string& given) const {
-    if (given.empty()) return Role::viewer;
-    if (given == token) return Role::director;
+// A ticket is the role and the session's number, in the open.
+Result<LoginDecision> FakeSea::login(const ClientHello& hello, bool /*loopback*/) {
+    if (hello.ticket.size() == 9) {
+        LoginDecision decision{static_cast<Role>(hello.ticket[0]), 0};
+        for (size_t i = 1; i < 9; ++i) decision.last_session = decision.last_session << 8 | hello.ticket[i];
+        return decision;
+    }
+    if (hello.token.empty()) return LoginDecision{};
+    if (hello.token == token) return LoginDecision{Role::director, 0};
     return Error{ErrorCode::token_refused, "wrong token"};
+}
+
+IssuedTicket FakeSea::new_ticket(uint64_t session, Role role) {
+    IssuedTicket issued{{static_cast<uint8_t>(role)}, 600'000};
+    for (int shift = 56; shift >= 0; shift -= 8)
+        issued.ticket.push_back(static_cast<uint8_t>(session >> shift));
+    return issued;
 }
 
 InterestState FakeSea::state_for(const ViewState& view) const {
@@ -63,10 +77,30 @@ std::optional<MadeResult> FakeSea::make_result(const ResultRequest& request) {
     if (request.previous != nullptr && *request.previous == made.key && refresh_after_us == 0)
         return std::nullopt;
     ++results_made;
-    made.state = std::make_shared<const InterestState>(state_for(request.view));
+    InterestState state = state_for(request.view);
+    if (lies.exchange(false)) {
+        auto wrong = std::make_shared<WaveTrainBox>(*the_box());
+        wrong->trains[0].phase ^= 1U << 22;
+        state.boxes[wrong->id] = wrong;
+    }
+    made.state = std::make_shared<const InterestState>(std::move(state));
     made.watermark = {1000};
     if (refresh_after_us > 0) made.refresh_at_us = monotonic_us() + refresh_after_us;
     return made;
+}
+
+Resumption FakeSea::resume(const ResumeState& claim) {
+    ++resumes_asked;
+    if (claim.instance != hello_facts().instance) return {ResumeVerdict::other_instance, {}};
+    auto state = std::make_shared<const InterestState>(state_for(claim.key.anchor));
+    if (hash_of(*state) != claim.state_hash) return {ResumeVerdict::other_state, {}};
+    return {ResumeVerdict::resumed, {claim.key, std::move(state), {1000}, INT64_MAX}};
+}
+
+ProbeReply FakeSea::probe(const InterestState& state, const Probe& probe) const {
+    InterestState truth = state;
+    truth.boxes[the_box()->id] = the_box();
+    return answer_probe(truth, probe);
 }
 
 InterestDelta FakeSea::change(const InterestState& base, const InterestState& target, const CullKey&) const {

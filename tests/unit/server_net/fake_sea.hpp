@@ -16,13 +16,18 @@ public:
     std::atomic<uint64_t> results_made{0};
     std::atomic<int64_t> refresh_after_us{0};  ///< 0: never
     std::atomic<uint64_t> last_over{0};        ///< the session that ended last
+    std::atomic<uint64_t> resumes_asked{0};    ///< claims that reached the sea
+    std::atomic<bool> lies{false};             ///< the next result has a wrong train; probes tell the truth
     /// Set before the server starts.
-    std::string token = "secret";
+    std::string token = "secret";  ///< makes directors, any number of times
 
     HelloFacts hello_facts() const override;
     ClockFacts clock_facts() const override;
-    Result<Role> role_for(const std::string& given) const override;
+    Result<LoginDecision> login(const ClientHello& hello, bool loopback) override;
+    IssuedTicket new_ticket(uint64_t session, Role role) override;
     std::optional<MadeResult> make_result(const ResultRequest& request) override;
+    Resumption resume(const ResumeState& claim) override;
+    ProbeReply probe(const InterestState& state, const Probe& probe) const override;
     InterestDelta change(const InterestState& base, const InterestState& target,
                          const CullKey& key) const override;
     std::vector<TerrainTileKey> tiles_for(const ViewState& view) override;

@@ -84,7 +84,7 @@ TEST_F(HostilePeers, RandomBytesInAFrame) {
     RawClient client(port());
     client.send_magic();
     client.send_bytes(frame(Bytes(100, 0xa5)));
-    expect_goodbye(client, ErrorCode::unknown_message, requirement::known_union_tag);
+    expect_goodbye(client, ErrorCode::unknown_message, requirement::file_identifier);
 }
 
 TEST_F(HostilePeers, TrailingBytes) {
@@ -176,7 +176,7 @@ TEST_F(HostilePeers, AckOfAResultNeverWritten) {
     RawClient client(port());
     ASSERT_TRUE(client.log_in());
     client.send(Ack{1000, 0, 0, {}});
-    expect_goodbye(client, ErrorCode::value_out_of_range, requirement::result_order);
+    expect_goodbye(client, ErrorCode::value_out_of_range, requirement::whole_results);
 }
 
 TEST_F(HostilePeers, CommandFloodIsRefusedNotDisconnected) {

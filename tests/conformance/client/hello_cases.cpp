@@ -1,0 +1,121 @@
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "tests/conformance/client/refusals.hpp"
+
+// What a client says first.
+namespace trochoid::conformance::client {
+
+namespace {
+
+/// A case about the client's own hello.
+Case about_hello(const char* id, const char* title,
+                 std::function<void(const ClientHello&, ClientTrial&)> look) {
+    return client_case(id, title, [look = std::move(look)](ClientTrial& trial) {
+        ClientPeer& peer = trial.accept();
+        look(peer.await_hello(), trial);
+    });
+}
+
+void require(bool holds, std::string sentence) {
+    if (!holds) throw Failed{std::move(sentence)};
+}
+
+}  // namespace
+
+void add_hello_cases(Catalogue& all) {
+    all.push_back(about_hello("R-121/hello-first",
+                              "The magic, then a hello, before anything has come from us",
+                              [](const ClientHello&, ClientTrial&) {}));
+    all.push_back(
+        about_hello("R-123/hello-versions", "The hello names a range of versions",
+                    [](const ClientHello& hello, ClientTrial& trial) {
+                        trial.note(fmt::format("versions {} to {}", hello.protocol_min, hello.protocol_max));
+                        require(hello.protocol_min >= 1 && hello.protocol_min <= hello.protocol_max,
+                                "R-123: no version lies in the range");
+                    }));
+    all.push_back(about_hello(
+        "R-141/hello-model", "The hello names the model that the client computes",
+        [](const ClientHello& hello, ClientTrial&) { require(hello.model >= 1, "R-141: model 0"); }));
+    all.push_back(about_hello(
+        "R-117/hello-view", "The hello's view is finite, within its ranges and not turned out of shape",
+        [](const ClientHello& hello, ClientTrial&) {
+            // The decoder has judged each field.
+            require(std::isfinite(hello.view.tan_half_width), "R-116: the view is not finite");
+        }));
+    all.push_back(about_hello("R-131/hello-regions", "The hello names 32 regions at most, each within 2 km",
+                              [](const ClientHello& hello, ClientTrial& trial) {
+                                  trial.note(fmt::format("{} regions", hello.regions.size()));
+                                  require(hello.regions.size() <= Limits{}.sync_regions,
+                                          "R-131: too many regions");
+                              }));
+    all.push_back(about_hello(
+        "R-157/hello-nothing-to-resume", "The first hello of a program has nothing to go on with",
+        [](const ClientHello& hello, ClientTrial&) {
+            require(!hello.resume, "there is resume data, but there was no session");
+            require(hello.last_code == ErrorCode::none, "there is the code of a session that was not");
+        }));
+    all.push_back(client_case("R-121/silent-before-hello",
+                              "Before our hello a client sends its own and nothing else",
+                              [](ClientTrial& trial) {
+                                  ClientPeer& peer = trial.accept();
+                                  peer.await_hello();
+                                  constexpr Milliseconds span{400};
+                                  if (peer.receive(span))
+                                      throw Failed{"R-121: a message follows the hello before ours has come"};
+                                  peer.welcome_now();
+                                  peer.expect_service();
+                              }));
+    for (const uint16_t version : {uint16_t{2}, uint16_t{3}})
+        all.push_back(client_case(fmt::format("R-123/version-{}", version),
+                                  fmt::format("A session in version {}, where the client offers it", version),
+                                  [version](ClientTrial& trial) {
+                                      ClientPeer& peer = trial.accept();
+                                      const ClientHello& hello = peer.await_hello();
+                                      if (version < hello.protocol_min || version > hello.protocol_max)
+                                          throw Skipped{"the client does not offer it"};
+                                      peer.welcome_now([&](ServerHello& ours) { ours.protocol = version; });
+                                      peer.expect_service();
+                                  }));
+    constexpr Due version{ErrorCode::protocol_version, requirement::version_range};
+    all.push_back(hello_refused(
+        "R-123/version-above", "Our hello takes a version above those offered",
+        [](ServerHello hello) {
+            hello.protocol = 1000;
+            return encode(ServerMessage{hello});
+        },
+        version));
+    all.push_back(hello_refused(
+        "R-123/version-below", "Our hello takes a version below those offered",
+        [](ServerHello hello) {
+            hello.protocol = 1;
+            return encode(ServerMessage{hello});
+        },
+        version));
+    all.push_back(client_case("R-123/version-0",
+                              "Our hello takes version 0, which is none: out of range, or not offered",
+                              [version](ClientTrial& trial) {
+                                  ClientPeer& peer = trial.accept();
+                                  peer.await_hello();
+                                  ServerHello hello = peer.usual_hello();
+                                  hello.protocol = 0;
+                                  peer.send(hello);
+                                  peer.expect_goodbye(version, {out_of_range});
+                              }));
+    all.push_back(hello_refused("R-141/other-model", "Our hello says that we compute another sea",
+                                [](ServerHello hello) {
+                                    ++hello.model;
+                                    return encode(ServerMessage{hello});
+                                },
+                                {ErrorCode::model_version, requirement::model_version}));
+    all.push_back(client_case(
+        "R-142/stamp-not-echoed",
+        "Our hello echoes another stamp than the client's: it may be refused, or the exchange not be used",
+        [](ClientTrial& trial) {
+            ClientPeer& peer = trial.welcome([](ServerHello& hello) { hello.client_stamp_us += 12345; });
+            peer.expect_goodbye_or_service({{ErrorCode::value_out_of_range, any_due_requirement}});
+        }));
+}
+
+}  // namespace trochoid::conformance::client

@@ -1,0 +1,240 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+
+#include "tests/conformance/server/refusals.hpp"
+#include "tests/conformance/server/web_peer.hpp"
+
+// one port for all kinds of streams, HTTP and WebSockets.
+namespace trochoid::conformance::server {
+
+namespace {
+
+void add_http(Catalogue& all) {
+    const auto answered = [&](const char* id, const char* title, std::string request,
+                              std::vector<int> statuses, std::string word = "") {
+        all.push_back(server_case(std::string("R-104/") + id, title, [=](ServerTrial& trial) {
+            const std::string answer = WebPeer(trial).request(request);
+            const int status = status_of(answer);
+            trial.note(answer.substr(0, answer.find('\r')));
+            if (std::find(statuses.begin(), statuses.end(), status) == statuses.end())
+                throw Failed{fmt::format("the answer is '{}'", answer.substr(0, answer.find('\r')))};
+            if (answer.find(word) == std::string::npos)
+                throw Failed{fmt::format("the answer has no '{}'", word)};
+        }));
+    };
+    const std::string host = "Host: localhost\r\n\r\n";
+    answered("livez", "It answers whether it lives", "GET /livez HTTP/1.1\r\n" + host, {200});
+    answered("readyz", "It answers whether it is ready", "GET /readyz HTTP/1.1\r\n" + host, {200});
+    answered("metrics", "It tells its figures", "GET /metrics HTTP/1.1\r\n" + host, {200}, "# TYPE");
+    answered("head", "HEAD is answered without a body", "HEAD /livez HTTP/1.1\r\n" + host, {200});
+    answered("http-1-0", "HTTP 1.0 is answered", "GET /livez HTTP/1.0\r\n\r\n", {200});
+    answered("query", "A query behind the path is let pass, or not known",
+             "GET /livez?x=1 HTTP/1.1\r\n" + host, {200, 400, 404});
+    answered("root", "A page is told what this is", "GET / HTTP/1.1\r\n" + host, {200, 400, 426});
+    answered("elsewhere", "Another path is not known", "GET /elsewhere HTTP/1.1\r\n" + host, {404});
+    answered("dots", "A path that climbs is not known", "GET /../../etc/passwd HTTP/1.1\r\n" + host,
+             {400, 404});
+    answered("post", "POST is not allowed", "POST /livez HTTP/1.1\r\nContent-Length: 0\r\n" + host, {405});
+    answered("trace", "TRACE is not allowed, though it begins like the magic", "TRACE / HTTP/1.1\r\n" + host,
+             {405});
+    answered("connect", "CONNECT is not allowed", "CONNECT a:1 HTTP/1.1\r\nHost: a:1\r\n\r\n", {400, 405});
+    answered("nonsense", "Nonsense in capitals is a bad request", "NONSENSE\r\n\r\n", {400, 405});
+    answered("no-host", "HTTP 1.1 without a host is a bad request", "GET /livez HTTP/1.1\r\n\r\n",
+             {200, 400});
+    answered("long-header", "A head of 64 KiB is too long",
+             "GET / HTTP/1.1\r\nX: " + std::string(65536, 'x') + "\r\n" + host, {400, 413, 414, 431});
+    answered("long-path", "A path of 32 KiB is too long",
+             "GET /" + std::string(32768, 'x') + " HTTP/1.1\r\n" + host, {400, 404, 413, 414, 431});
+    answered("bad-length", "Two lengths are a bad request",
+             "GET / HTTP/1.1\r\nContent-Length: 5\r\nContent-Length: 6\r\n" + host, {400, 413, 426});
+    for (const uint8_t first : {uint8_t{0}, uint8_t{'t'}, uint8_t{0x80}, uint8_t{0xff}})
+        all.push_back(server_case(fmt::format("R-104/first-byte-{:02x}", first),
+                                  "A stream that begins like none of them is refused by its magic",
+                                  [first](ServerTrial& trial) {
+                                      ServerPeer& peer = trial.connect();
+                                      std::array<uint8_t, 16> bytes{};
+                                      bytes.fill(first);
+                                      peer.send_bytes(bytes);
+                                      peer.expect_goodbye(ErrorCode::wrong_magic);
+                                  }));
+    all.push_back(server_case("R-106/no-handshake",
+                              "A TLS record with nothing right in it ends the connection",
+                              [](ServerTrial& trial) {
+                                  ServerPeer& peer = trial.connect();
+                                  Bytes record{0x16, 3, 1, 0, 100};
+                                  record.resize(105, 0x5a);
+                                  peer.send_bytes(record);
+                                  const Deadline deadline(trial.target().patience);
+                                  while (!deadline.passed() && peer.stream().state() == Stream::State::open)
+                                      peer.stream().next_bytes(deadline.left());
+                                  if (peer.stream().state() == Stream::State::open)
+                                      throw Failed{"the connection stays open"};
+                              }));
+}
+
+WebPeer upgraded(ServerTrial& trial) {
+    WebPeer web(trial);
+    const std::string head = web.upgrade();
+    if (status_of(head) != 101)
+        throw Failed{fmt::format("the upgrade is answered '{}'", head.substr(0, head.find('\r')))};
+    return web;
+}
+
+WebPeer logged_in(ServerTrial& trial) {
+    WebPeer web = upgraded(trial);
+    web.send(ServerPeer::usual_hello());
+    if (!std::holds_alternative<ServerHello>(web.receive_message()))
+        throw Failed{"R-121: the first message is no hello"};
+    return web;
+}
+
+/// Passes deltas by.
+template <class Message>
+Message await(WebPeer& web) {
+    for (int i = 0; i < 100; ++i) {
+        const ServerMessage message = web.receive_message();
+        if (const auto* found = std::get_if<Message>(&message)) return *found;
+    }
+    throw Failed{"no answer came among 100 messages"};
+}
+
+void add_upgrades(Catalogue& all) {
+    all.push_back(server_case(
+        "R-105/upgrade", "A WebSocket of the subprotocol trochoid, without compression though it is offered",
+        [](ServerTrial& trial) {
+            const std::string head =
+                WebPeer(trial).upgrade("", "Sec-WebSocket-Extensions: permessage-deflate");
+            if (status_of(head) != 101)
+                throw Failed{fmt::format("the upgrade is answered '{}'", head.substr(0, head.find('\r')))};
+            std::string lower = head;
+            for (char& c : lower) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+            if (lower.find("sec-websocket-protocol: trochoid") == std::string::npos)
+                throw Failed{"the answer does not name the subprotocol"};
+            if (lower.find("sec-websocket-accept: s3pplmbitxaq9kygzzhzrbk+xoo=") == std::string::npos)
+                throw Failed{"the answer has not the key's Sec-WebSocket-Accept"};
+            if (lower.find("permessage-deflate") != std::string::npos)
+                throw Failed{"the server agrees to compression"};
+        }));
+    const auto refused = [&](const char* id, const char* title, const char* except, const char* more,
+                             std::vector<int> statuses) {
+        all.push_back(server_case(std::string("R-105/") + id, title, [=](ServerTrial& trial) {
+            const std::string head = WebPeer(trial).upgrade(except, more);
+            const int status = status_of(head);
+            if (std::find(statuses.begin(), statuses.end(), status) == statuses.end())
+                throw Failed{fmt::format("the upgrade is answered '{}'", head.substr(0, head.find('\r')))};
+        }));
+    };
+    refused("no-subprotocol", "An upgrade without the subprotocol", "Sec-WebSocket-Protocol", "", {400, 426});
+    refused("other-subprotocol", "An upgrade to another subprotocol", "Sec-WebSocket-Protocol",
+            "Sec-WebSocket-Protocol: chat", {400, 426});
+    refused("some-subprotocols", "An upgrade that offers others too", "Sec-WebSocket-Protocol",
+            "Sec-WebSocket-Protocol: chat, trochoid", {101});
+    refused("other-origin", "A page of another site", "", "Origin: https://elsewhere.example", {403});
+    refused("null-origin", "A page without a site", "", "Origin: null", {403});
+    refused("other-host", "Another name of this machine, as after rebinding", "Host",
+            "Host: elsewhere.example", {403, 421});
+    refused("no-host", "An upgrade without a host", "Host", "", {400, 403});
+    refused("version-12", "Another version of WebSockets", "Sec-WebSocket-Version",
+            "Sec-WebSocket-Version: 12", {400, 426});
+    refused("no-key", "An upgrade without a key", "Sec-WebSocket-Key", "", {400, 426});
+    refused("short-key", "An upgrade with a key of 3 bytes", "Sec-WebSocket-Key", "Sec-WebSocket-Key: YWJj",
+            {400, 426});
+}
+
+void add_messages(Catalogue& all) {
+    const auto add = [&](const char* id, const char* title, ServerBody body) {
+        all.push_back(server_case(std::string("R-105/") + id, title, std::move(body)));
+    };
+    add("session", "Hello, clock and list over a WebSocket", [](ServerTrial& trial) {
+        WebPeer web = logged_in(trial);
+        web.send(ClockRequest{1, 77});
+        if (await<ClockReply>(web).client_sent_us != 77) throw Failed{"the clock reply echoes another stamp"};
+        Command list;
+        list.sequence = 1;
+        list.action = ListBoxes{};
+        web.send(list);
+        await<BoxList>(web);
+    });
+    add("goodbye", "A wrong message: the goodbye comes as a message, then the WebSocket closes",
+        [](ServerTrial& trial) {
+            WebPeer web = logged_in(trial);
+            web.send(ClockRequest{1, INT64_MAX});
+            if (await<Goodbye>(web).code != ErrorCode::value_out_of_range)
+                throw Failed{"the goodbye has another code than 106"};
+            const auto close = web.receive();
+            if (!close || close->opcode != web_close) throw Failed{"no close frame follows the goodbye"};
+            web.send_frame(0x80 | web_close, close->payload);
+            web.expect_end();
+        });
+    add("ping", "A ping is answered with its payload", [](ServerTrial& trial) {
+        WebPeer web = logged_in(trial);
+        const std::array<uint8_t, 3> payload{1, 2, 3};
+        web.send_frame(0x80 | web_ping, payload);
+        for (int i = 0; i < 100; ++i) {
+            const auto message = web.receive();
+            if (!message) throw Failed{"no pong came"};
+            if (message->opcode != web_pong) continue;
+            if (!std::equal(payload.begin(), payload.end(), message->payload.begin(), message->payload.end()))
+                throw Failed{"the pong has another payload"};
+            return;
+        }
+        throw Failed{"no pong came among 100 messages"};
+    });
+    add("fragments", "A message in fragments within the limit is put together", [](ServerTrial& trial) {
+        WebPeer web = logged_in(trial);
+        const Bytes message = encode(ClientMessage{ClockRequest{1, 77}});
+        const auto whole = std::span(message);
+        web.send_frame(web_binary, whole.first(10));
+        web.send_frame(web_continuation, whole.subspan(10, 10));
+        web.send_frame(0x80 | web_continuation, whole.subspan(20));
+        await<ClockReply>(web);
+    });
+    const auto ends = [&](const char* id, const char* title, std::function<void(WebPeer&)> wrong) {
+        add(id, title, [wrong = std::move(wrong)](ServerTrial& trial) {
+            WebPeer web = logged_in(trial);
+            wrong(web);
+            // The answer to a close frame of the server's, so that it need not wait.
+            try {
+                while (const auto message = web.receive())
+                    if (message->opcode == web_close) web.send_frame(0x80 | web_close, message->payload);
+            } catch (const Failed&) {
+            }
+            web.expect_end();
+        });
+    };
+    ends("text", "A text message ends the session", [](WebPeer& web) {
+        web.send_frame(0x80 | web_text, encode(ClientMessage{ClockRequest{1, 1}}));
+    });
+    ends("not-masked", "A frame that is not masked ends the session", [](WebPeer& web) {
+        web.send_frame(0x80 | web_binary, encode(ClientMessage{ClockRequest{1, 1}}), false);
+    });
+    ends("reserved-bits", "A frame with a reserved bit ends the session", [](WebPeer& web) {
+        web.send_frame(0xc0 | web_binary, encode(ClientMessage{ClockRequest{1, 1}}));
+    });
+    ends("reserved-opcode", "A frame of a reserved opcode ends the session",
+         [](WebPeer& web) { web.send_frame(0x83, Bytes(4)); });
+    ends("too-long", "A message of more than frames may have ends the session",
+         [](WebPeer& web) { web.send_frame(0x80 | web_binary, Bytes(65536 + 8)); });
+    ends("long-control", "A ping of 126 bytes ends the session",
+         [](WebPeer& web) { web.send_frame(0x80 | web_ping, Bytes(126)); });
+    ends("continuation-first", "A continuation of nothing ends the session",
+         [](WebPeer& web) { web.send_frame(0x80 | web_continuation, Bytes(4)); });
+    ends("empty-message", "A message of no bytes ends the session",
+         [](WebPeer& web) { web.send_frame(0x80 | web_binary, {}); });
+    ends("close", "A close frame ends the session", [](WebPeer& web) {
+        web.send_frame(0x80 | web_close, std::array<uint8_t, 2>{3, 0xe8});
+    });
+}
+
+}  // namespace
+
+void add_front_cases(Catalogue& all) {
+    add_http(all);
+    add_upgrades(all);
+    add_messages(all);
+}
+
+}  // namespace trochoid::conformance::server
