@@ -10,6 +10,7 @@
 #       lint           clang-tidy on what changed since the main branch, or else in the last commit
 #       asan-ubsan     build with address and undefined behaviour sanitizers, quick and end-to-end tests
 #       tsan           build with the thread sanitizer, quick and end-to-end tests
+#       fuzz           every parser under libFuzzer, 10 s each (tests/fuzz/run)
 #   ./test.sh --help
 #
 # Logs are in build/logs. Exit: 0 all passed, 1 something failed, 2 bad options, 130 interrupted.
@@ -20,7 +21,7 @@ cd "$(dirname "${BASH_SOURCE[0]}")"
 log_dir=$PWD/build/logs
 source docker/progress.sh
 
-all_legs=(format release architectures lint asan-ubsan tsan)
+all_legs=(format release architectures lint asan-ubsan tsan fuzz)
 legs=() everything=
 while [ $# -gt 0 ]; do
     case "$1" in
@@ -130,7 +131,7 @@ PYTHON
 
 leg_release() {
     build release || return 0
-    if [ -n "$everything" ]; then run_tests release; else run_tests release -L '^(quick|e2e)$'; fi
+    if [ -n "$everything" ]; then run_tests release; else run_tests release -L '^(quick|e2e|conformance)$'; fi
 }
 
 # Instrumented code under software OpenGL is too slow to say anything: tests labelled gpu stay out.
@@ -148,6 +149,22 @@ leg_tsan() {
     if setarch --addr-no-randomize true 2>/dev/null; then test_launcher=(setarch --addr-no-randomize); fi
     leg_sanitizer tsan
     test_launcher=()
+}
+
+leg_fuzz() {
+    local status=0
+    # The fuzzers alone, with what they test.
+    stage "fuzz configure" cmake --preset fuzz && stage "fuzz build" cmake --build build/fuzz --target trochoid-fuzzers --parallel "$(build_jobs)" || {
+        show_failure fuzz-build
+        count "fuzz build" 1
+        return 0
+    }
+    stage "fuzz self-test" tests/fuzz/run --build build/fuzz --self-test || status=$?
+    count "fuzz self-test" "$status"
+    status=0
+    stage fuzz tests/fuzz/run --build build/fuzz --seconds 10 || status=$?
+    cat "$log_dir/fuzz.log"
+    count fuzz "$status"
 }
 
 sources() { find protocol server client tests -name '*.cpp' -o -name '*.hpp' | sort; }
@@ -187,7 +204,7 @@ leg_lint() {
 if [ -n "${CI:-}" ]; then export CCACHE_BASEDIR=$PWD CCACHE_NOHASHDIR=1; fi
 
 groups=build,view,test
-[[ " ${legs[*]} " =~ \ (format|architectures|lint)\  ]] && groups+=,all
+[[ " ${legs[*]} " =~ \ (format|architectures|lint|fuzz)\  ]] && groups+=,all
 if docker/dependencies.sh --group "$groups"; then
     mkdir -p "$log_dir"
     for leg in "${legs[@]}"; do "leg_$leg"; done
