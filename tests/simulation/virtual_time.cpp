@@ -1,0 +1,44 @@
+#include "tests/simulation/virtual_time.hpp"
+
+#include <algorithm>
+
+#include "protocol/units/assert.hpp"
+
+namespace trochoid {
+
+namespace {
+
+VirtualTime* the_current = nullptr;
+// A run that does more goes round in circles.
+constexpr uint64_t most_tasks = 5'000'000;
+
+}  // namespace
+
+VirtualTime::VirtualTime() { the_current = this; }
+
+VirtualTime::~VirtualTime() {
+    // Tasks may own what gives further ones when it goes.
+    while (!tasks_.empty()) tasks_.erase(tasks_.begin());
+    the_current = nullptr;
+}
+
+VirtualTime& VirtualTime::current() {
+    TROCHOID_ASSERT(the_current != nullptr, "outside of a simulation's time");
+    return *the_current;
+}
+
+void VirtualTime::at(int64_t us, std::function<void()> task) {
+    tasks_.emplace(std::pair(std::max(us, now_us_), given_++), std::move(task));
+}
+
+void VirtualTime::run_until(int64_t us) {
+    while (!tasks_.empty() && tasks_.begin()->first.first <= us) {
+        auto next = tasks_.extract(tasks_.begin());
+        now_us_ = next.key().first;
+        TROCHOID_ASSERT(++run_ < most_tasks, "{} tasks and no end, at {} us", run_, now_us_);
+        next.mapped()();
+    }
+    now_us_ = std::max(now_us_, us);
+}
+
+}  // namespace trochoid
