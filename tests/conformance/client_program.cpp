@@ -2,20 +2,18 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
-#include <signal.h>
 #include <spawn.h>
 #include <sys/mman.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
-#include <cstring>
+#include <csignal>
+#include <system_error>
 #include <thread>
 
 #include "protocol/units/operator_error.hpp"
 #include "tests/conformance/framed_stream.hpp"
-
-extern char** environ;
 
 namespace trochoid::conformance {
 
@@ -58,7 +56,8 @@ ClientProgram::ClientProgram(const std::string& command)
     posix_spawnattr_destroy(&attributes);
     posix_spawn_file_actions_destroy(&files);
     if (failed != 0)
-        throw OperatorError(fmt::format("cannot start {}: {}: check --run", shell, std::strerror(failed)));
+        throw OperatorError(
+            fmt::format("cannot start {}: {}: check --run", shell, std::generic_category().message(failed)));
 }
 
 ClientProgram::~ClientProgram() {
@@ -92,8 +91,7 @@ std::string ClientProgram::end(Milliseconds patience) {
         running_ = false;
     }
     const int signal = signal_of(status_);
-    return is_crash(signal) ? fmt::format("the client crashed: signal {} ({})", signal, strsignal(signal))
-                            : "";
+    return is_crash(signal) ? fmt::format("the client crashed: signal {}", signal) : "";
 }
 
 std::string ClientProgram::last_words(size_t most) const {

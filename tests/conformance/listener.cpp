@@ -9,7 +9,7 @@
 #include <unistd.h>
 
 #include <cerrno>
-#include <cstring>
+#include <system_error>
 
 #include "protocol/units/operator_error.hpp"
 #include "tests/conformance/framed_stream.hpp"
@@ -90,15 +90,15 @@ Listener::Listener(uint16_t port) : socket_(socket(AF_INET, SOCK_STREAM | SOCK_C
         getsockname(socket_, generic, &size) != 0) {
         const int why = errno;
         if (socket_ >= 0) close(socket_);
-        throw OperatorError(
-            fmt::format("cannot listen at 127.0.0.1:{}: {}: check --listen", port, std::strerror(why)));
+        throw OperatorError(fmt::format("cannot listen at 127.0.0.1:{}: {}: check --listen", port,
+                                        std::generic_category().message(why)));
     }
     address_.port = ntohs(place.sin_port);
 }
 
 Listener::~Listener() { close(socket_); }
 
-std::unique_ptr<Stream> Listener::accept(Milliseconds within) {
+std::unique_ptr<Stream> Listener::accept(Milliseconds within) const {
     if (!ready(socket_, POLLIN, within)) return nullptr;
     const int client = accept4(socket_, nullptr, nullptr, SOCK_CLOEXEC);
     if (client < 0) return nullptr;

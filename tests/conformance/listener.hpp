@@ -16,7 +16,7 @@ public:
 
     const Endpoint& address() const { return address_; }
     /// Null where nobody comes in time.
-    std::unique_ptr<Stream> accept(Milliseconds within);
+    std::unique_ptr<Stream> accept(Milliseconds within) const;
 
 private:
     Endpoint address_;
