@@ -172,11 +172,12 @@ void SessionLink::log_grew(LogPosition position) {
     const int64_t lead_us = int64_t{store_.hello()->limits.command_lead_ms} * 1000;
     watch_clock_until_us_ = client_monotonic_us() + std::min(lead_us, longest_watch_us) +
                             2 * clock_watch_interval / std::chrono::microseconds(1);
-    ask_clock(++clock_row_, clock_burst);
+    ask_clock(++clock_row_, std::min(clock_done_ + 1, clock_burst));
 }
 
 void SessionLink::ask_clock(uint64_t row, int done) {
     if (row != clock_row_ || !live_) return;
+    clock_done_ = done;
     const int64_t now_us = client_monotonic_us();
     if (now_us - heard_us_ > longest_silence_us) {
         given_up_ = fmt::format("the server at {} has said nothing for {} s", to_text(options_.server),
@@ -227,8 +228,8 @@ void SessionLink::on(const Delta& delta, int64_t received_us) {
     show_store();
     connection_->send(**ack);
     if (probe_round_ == 0) probe_after(std::chrono::milliseconds(0));
-    // The next clock reply brings the verdict.
-    if (answers) ask_clock(++clock_row_, clock_burst - 2);
+    // The next clock reply brings the verdict; while the first ones are under way it comes by itself.
+    if (answers && clock_done_ + 1 >= clock_burst) ask_clock(++clock_row_, clock_burst - 2);
     if (live_ && delta.key.log_position > log_position_) log_grew(delta.key.log_position);
 }
 

@@ -62,6 +62,7 @@ private:
     ClientStore store_;
     uint32_t sequence_ = 0;  // one row for everything, so it names questions of all types
     std::map<uint32_t, Question> questions_;
+    int clock_done_ = 0;      // requests before the last one, of the first eight
     uint64_t clock_row_ = 0;  // of the clock requests at hand: timers of earlier rows do nothing
     int64_t watch_clock_until_us_ = 0;
     LogPosition log_position_;

@@ -155,7 +155,8 @@ void Connection::take_message(std::span<const uint8_t> payload, int64_t now_us) 
     Impl& my = *impl_;
     my.frames_received.fetch_add(1, std::memory_order_relaxed);
     Result<ServerMessage> message = decode_server(payload);
-    if (!message) return refuse(message.error());
+    if (!message)
+        return refuse(message.error(), goodbye_for_payload(message.error(), payload, server_identifier));
     if (const auto may = expected(my.phase, *message); !may) return refuse(may.error());
     my.phase = phase_after(my.phase, *message);
     if (auto* goodbye = std::get_if<Goodbye>(&*message)) {
@@ -164,6 +165,7 @@ void Connection::take_message(std::span<const uint8_t> payload, int64_t now_us) 
         return finish(*goodbye, CloseCause::server_goodbye);
     }
     if (const auto* hello = std::get_if<ServerHello>(&*message)) {
+        if (const auto good = acceptable(*hello); !good) return refuse(good.error());
         ++my.deadlines;
         my.frames.set_longest(hello->limits.frame_to_client);
         my.stream->set_longest(hello->limits.frame_to_client);
@@ -208,9 +210,10 @@ void Connection::write_some() {
 
 void Connection::close(const Goodbye& goodbye) { part(goodbye, CloseCause::closed_here); }
 
-void Connection::refuse(const Error& error) {
+void Connection::refuse(const Error& error) { refuse(error, goodbye_for(error)); }
+
+void Connection::refuse(const Error& error, Goodbye goodbye) {
     const Impl& my = *impl_;
-    Goodbye goodbye = goodbye_for(error);
     if (my.phase == SessionPhase::awaiting_hello)
         goodbye.message = fmt::format(
             "{} ({})", who_listens(std::span(my.first).first(my.first_count), my.endpoint), error.message);

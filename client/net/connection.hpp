@@ -78,6 +78,7 @@ private:
     void write_some();
     void part(const Goodbye& goodbye, CloseCause cause);
     void part_overdue();
+    void refuse(const Error& error, Goodbye goodbye);
     void lose(std::string message);
     void finish(const Goodbye& goodbye, CloseCause cause);
     std::unique_ptr<Impl> impl_;

@@ -92,6 +92,20 @@ Result<uint16_t> common_version(const ClientHello& hello) {
     return highest;
 }
 
+Result<Done> acceptable(const ServerHello& hello) {
+    if (hello.protocol < protocol_version_min || hello.protocol > protocol_version_max)
+        return Error{ErrorCode::protocol_version,
+                     fmt::format("the server has chosen protocol version {}, and {} to {} were offered",
+                                 hello.protocol, protocol_version_min, protocol_version_max)};
+    if (hello.model != model_version)
+        return Error{
+            ErrorCode::model_version,
+            fmt::format(
+                "the server computes version {} of the sea, this client version {}: update the older one",
+                hello.model, model_version)};
+    return Done{};
+}
+
 Result<Done> SequenceRule::accept(const ClientMessage& message) {
     uint32_t& last = last_[message.index()];
     if (const auto* ack = std::get_if<Ack>(&message)) {
@@ -113,6 +127,15 @@ Result<Done> SequenceRule::accept(const ClientMessage& message) {
                      fmt::format("sequence number {} after {} in messages of one type", sequence, last)};
     last = sequence;
     return Done{};
+}
+
+Goodbye goodbye_for_payload(const Error& error, std::span<const uint8_t> payload,
+                            std::string_view identifier) {
+    Goodbye goodbye = goodbye_for(error);
+    const bool has_it =
+        payload.size() >= 8 && std::equal(identifier.begin(), identifier.end(), payload.begin() + 4);
+    if (!has_it) goodbye.requirement = requirement::file_identifier;
+    return goodbye;
 }
 
 Goodbye goodbye_for(const Error& error, uint32_t offending_sequence) {

@@ -1,4 +1,8 @@
 #pragma once
+#include <cstdint>
+#include <span>
+#include <string_view>
+
 #include "protocol/codec/messages.hpp"
 #include "protocol/units/result.hpp"
 
@@ -29,6 +33,9 @@ uint32_t sequence_of(const ClientMessage& message);
 /// the client computes another sea.
 Result<uint16_t> common_version(const ClientHello& hello);
 
+/// Whether a client can go on with what the server has chosen: protocol_version, model_version otherwise.
+Result<Done> acceptable(const ServerHello& hello);
+
 /// Sequence numbers ascend strictly within each type of message, from 1; gaps are allowed. An Ack's result never goes back.
 class SequenceRule {
 public:
@@ -41,5 +48,13 @@ private:
 
 /// The goodbye that answers a refusal: with the requirement broken, and whether trying again can help.
 Goodbye goodbye_for(const Error& error, uint32_t offending_sequence = 0);
+
+/// What messages towards servers and towards clients carry at their bytes 4 to 7.
+inline constexpr std::string_view client_identifier = "TRCC";
+inline constexpr std::string_view server_identifier = "TRCS";
+/// The goodbye for a payload that could not be decoded: one without the identifier of its direction breaks another requirement than one
+/// whose message is unknown.
+Goodbye goodbye_for_payload(const Error& error, std::span<const uint8_t> payload,
+                            std::string_view identifier);
 
 }  // namespace trochoid

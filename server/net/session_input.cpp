@@ -30,12 +30,6 @@ constexpr uint16_t first_with_probes = 3;
 // A client that finds difference after difference costs a snapshot each.
 constexpr int64_t desync_interval_us = 5 * microseconds_per_second;
 
-// Whether a payload has the file identifier of a client's message, behind the root's offset.
-bool is_a_clients(std::span<const uint8_t> payload) {
-    constexpr std::array<uint8_t, 4> identifier{'T', 'R', 'C', 'C'};
-    return payload.size() >= 8 && std::equal(identifier.begin(), identifier.end(), payload.begin() + 4);
-}
-
 uint64_t random_seed() {
     std::random_device device;
     return (uint64_t{device()} << 32) | device();
@@ -102,9 +96,7 @@ void Session::take_frame(std::span<const uint8_t> payload) {
     ++around_.stats.frames_in;
     Result<ClientMessage> message = decode_client(payload);
     if (!message) {
-        Goodbye goodbye = goodbye_for(message.error());
-        if (!is_a_clients(payload)) goodbye.requirement = requirement::file_identifier;
-        part(goodbye);
+        part(goodbye_for_payload(message.error(), payload, client_identifier));
         return;
     }
     const Result<Done> timely = in_time(*message);

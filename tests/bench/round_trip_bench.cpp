@@ -90,6 +90,7 @@ void measure(Report& report) {
             if (is_encrypted(endpoint.transport)) endpoint.ca_file = cert.path();
             first_view(endpoint, view, proxy);
             std::vector<double> times;
+            times.reserve(static_cast<size_t>(runs));
             FirstView one;
             for (int i = 0; i < runs; ++i) times.push_back((one = first_view(endpoint, view, proxy)).ms);
             const double middle = median(times);

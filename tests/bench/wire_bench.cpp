@@ -131,8 +131,8 @@ double bytes_a_train(const InterestState& state) {
         return encode(ServerMessage(delta)).size();
     };
     const size_t trains = state.boxes.rbegin()->second->trains.size();
-    return static_cast<double>(encoded(trains) - encoded(trains / 2)) /
-           static_cast<double>(trains - trains / 2);
+    const size_t half = trains / 2;
+    return static_cast<double>(encoded(trains) - encoded(half)) / static_cast<double>(trains - half);
 }
 
 void measure(Report& report) {

@@ -35,7 +35,8 @@ void VirtualTime::run_until(int64_t us) {
     while (!tasks_.empty() && tasks_.begin()->first.first <= us) {
         auto next = tasks_.extract(tasks_.begin());
         now_us_ = next.key().first;
-        TROCHOID_ASSERT(++run_ < most_tasks, "{} tasks and no end, at {} us", run_, now_us_);
+        ++run_;
+        TROCHOID_ASSERT(run_ < most_tasks, "{} tasks and no end, at {} us", run_, now_us_);
         next.mapped()();
     }
     now_us_ = std::max(now_us_, us);

@@ -3,6 +3,7 @@ import math
 
 from binary32 import from_bits, r1
 from fbs import STRING, Scalar, Struct, Table, Union, Vector
+from planes import PlaneError, decode_tile
 from refusal import Refusal
 
 TIME = (-(1 << 61), 1 << 61)
@@ -156,6 +157,11 @@ def _check_tile(tile):
     reach = 1 << 8 - tile.level
     _need(0 <= tile.x < reach and 0 <= tile.z < reach, "a tile outside of its level")
     _need(0 <= tile.spacing_log2 - tile.level <= 20, "a tile's spacing")
+    try:
+        heights = decode_tile(tile.heights)
+    except PlaneError as error:
+        raise Refusal("value_out_of_range", 117, f"a tile's heights: {error}") from error
+    _need(all(-32768 <= height <= 32767 for height in heights), "a tile's heights")
 
 
 def _check_hello(hello):

@@ -88,7 +88,8 @@ class _Buffer:
             places = [self.follow(start + 4 * n) for n in range(count)]
             return [self.table(element, p, depth + 1) if isinstance(element, Table) else self.vector(element, p, depth)
                     for p in places]
-        self.extent(start, element.size * count, element.align)
+        # R-112 wants elements aligned; where there are none, nothing is.
+        self.extent(start, element.size * count, element.align if count else 4)
         if isinstance(element, Struct):
             view = self.data[start:start + element.size * count]
             return [element.value._make(values) for values in element.layout.iter_unpack(view)]

@@ -182,6 +182,8 @@ class Session:
 
     def _take_TerrainTiles(self, tiles, _):
         grid = self.hello.terrain
+        if grid.columns == 0:
+            raise Refusal("unexpected_message", 121, "a tile where there is no terrain")
         for tile in tiles.tiles:
             side = 64 << tile.level + grid.spacing_log2
             place = grid.origin_x + tile.x * side, grid.origin_z + tile.z * side

@@ -33,6 +33,7 @@ SessionOptions options_for(uint16_t port) {
 /// The server's own answer in the region, and ours from what we hold, from the same log position.
 void expect_the_servers_sea(OceanSession& session) {
     std::vector<LatticePoint> points;
+    points.reserve(64);
     for (int i = 0; i < 64; ++i)
         points.push_back({to_lattice(100 + 3 * i % 70), to_lattice(-50 + 5 * i % 70)});
     auto answer = std::make_shared<std::promise<Result<SampleReply>>>();
