@@ -68,7 +68,10 @@ SessionLink::Question question_in_pieces(AnswerTo<Reply> answer, Entries Reply::
 
 }  // namespace
 
-OceanSession::OceanSession(SessionOptions options) : impl_(std::make_unique<Impl>(std::move(options))) {}
+OceanSession::OceanSession(SessionOptions options) {
+    if (options.fresh_token) require_secrecy(options.server);
+    impl_ = std::make_unique<Impl>(std::move(options));
+}
 
 OceanSession::~OceanSession() {
     Impl& my = *impl_;

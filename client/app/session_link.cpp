@@ -73,10 +73,10 @@ ClientHello SessionLink::hello_now() {
     hello.software = options_.software;
     hello.world = options_.world;
     const int64_t now_us = client_monotonic_us();
-    ticket_shown_ = !ticket_.empty() && now_us < ticket_until_us_;
+    ticket_shown_ = !ticket_.empty() && now_us < ticket_until_us_ && keeps_secrets(options_.server);
     if (ticket_shown_) hello.ticket = ticket_;
     // Where the ticket counts no more, the token does; where it does, the token stays unused.
-    if (options_.fresh_token) hello.token = options_.fresh_token();
+    if (options_.fresh_token && keeps_secrets(options_.server)) hello.token = options_.fresh_token();
     hello.capabilities = capability_probes | capability_resume;
     hello.last_code = last_code_;
     hello.resume = store_.resume_state();

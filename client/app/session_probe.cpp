@@ -35,6 +35,8 @@ void SessionLink::probe(uint64_t row) {
     if (request.points.empty()) return probe_after(probe_interval);
     {
         const std::lock_guard lock(board_.mutex);
+        // Who computes another sea knows it, and would find nothing else here.
+        if (board_.fidelity == Fidelity::approximate) return;
         request.time = board_.clock.sea_time(client_monotonic_us());
     }
     ++probe_round_;

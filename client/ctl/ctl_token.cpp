@@ -30,8 +30,7 @@ std::string hex(const std::array<uint8_t, N>& bytes) {
 }
 
 std::string time_text(UnixSeconds time) {
-    const std::chrono::system_clock::time_point point{std::chrono::seconds(time.value)};
-    return fmt::format("{:%Y-%m-%d %H:%M:%S} UTC", fmt::gmtime(point));
+    return fmt::format("{:%Y-%m-%d %H:%M:%S} UTC", fmt::gmtime(static_cast<std::time_t>(time.value)));
 }
 
 TokenReport make_key(const NewKey& asked) {

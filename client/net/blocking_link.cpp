@@ -92,6 +92,7 @@ struct BlockingLink::Impl {
 };
 
 BlockingLink::BlockingLink(LinkOptions options) : impl_(std::make_unique<Impl>()) {
+    if (!options.token.empty()) require_secrecy(options.server);
     Impl& my = *impl_;
     my.options = std::move(options);
     my.connection =

@@ -101,6 +101,20 @@ Endpoint with_encryption(Endpoint endpoint, bool encrypted) {
     return endpoint;
 }
 
+bool keeps_secrets(const Endpoint& endpoint) {
+    // A name that only begins like an address (127.example.org) is another machine's.
+    const bool numbers = endpoint.host.find_first_not_of("0123456789.") == std::string::npos;
+    return is_encrypted(endpoint.transport) || endpoint.host == "localhost" || endpoint.host == "::1" ||
+           (numbers && endpoint.host.starts_with("127."));
+}
+
+void require_secrecy(const Endpoint& endpoint) {
+    if (keeps_secrets(endpoint)) return;
+    throw OperatorError(fmt::format(
+        "a token would travel to {} in the clear, and whoever listens on the way could use it: connect by {}",
+        endpoint.host, to_text(with_encryption(endpoint, true))));
+}
+
 Endpoint parse_endpoint(std::string_view text) {
     const auto fail = [text] {
         return OperatorError(

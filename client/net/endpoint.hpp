@@ -33,6 +33,10 @@ struct Endpoint {
 };
 
 bool is_encrypted(Transport transport);
+/// Whether tokens and tickets may travel there: encrypted, or within this machine. Whoever listened on the way could use them first.
+bool keeps_secrets(const Endpoint& endpoint);
+/// Throws OperatorError where a token would travel in the clear.
+void require_secrecy(const Endpoint& endpoint);
 bool is_web(Transport transport);
 /// The same server with the transport inside TLS, or without.
 Endpoint with_encryption(Endpoint endpoint, bool encrypted);

@@ -208,6 +208,8 @@ std::optional<ResumeState> ClientStore::resume_state() const {
 void ClientStore::distrust() {
     ++counters_.desyncs;
     whole_ = false;
+    // The rest of a result that is coming builds on it.
+    if (next_piece_ != 0) course_ = Course::pass_by;
     resync_asked_ = true;
     applied_ = 0;
 }

@@ -57,6 +57,8 @@ public:
         : state_(state), time_(time), p_(p), most_parts_(most_parts) {}
 
     void add(const WaveTrainBox& box, size_t trains) {
+        // Most boxes of a state have no water at the point: their trains need no preparing.
+        if (envelope_at(box, instant_of(box, time_), p_).gain == 0) return;
         const SeaInstant instant(Sea({prepare_at(state_, box, p_)}), time_, displayed_layers);
         if (instant.live().empty()) return;
         const LiveBox& live = instant.live().front();

@@ -44,6 +44,8 @@ inline constexpr uint16_t model_version = 141;
 // Login
 inline constexpr uint16_t good_token = 153;
 inline constexpr uint16_t viewer_token = 156;
+// Probes
+inline constexpr uint16_t desync_answered = 166;
 }  // namespace requirement
 
 /// The requirement that a peer breaks when it is refused with this code; 0 where no requirement is broken.

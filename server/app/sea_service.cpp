@@ -72,7 +72,8 @@ ResumeVerdict SeaService::judge(const ResumeState& claim, MadeResult& held) cons
     if (*log_hash != claim.log_hash) return ResumeVerdict::other_history;
     const LogPosition position = claim.key.log_position;
     if (position > authority_.state()->log_position) return ResumeVerdict::unknown_position;
-    if (!could_be_chosen(claim.key)) return ResumeVerdict::no_such_key;
+    // No span begins in a future that sea time has not reached.
+    if (!could_be_chosen(claim.key) || claim.key.from > authority_.now()) return ResumeVerdict::no_such_key;
     const auto index = authority_.index_at(position);
     if (!index) return ResumeVerdict::too_old;
     if (!costs_no_more(*index, claim.key)) return ResumeVerdict::no_such_key;

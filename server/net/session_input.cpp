@@ -240,8 +240,10 @@ void Session::handle(SyncRegions& update) {
         refuse(fitting.error(), update.sequence);
         return;
     }
+    if (update.regions == regions_) return;
     regions_ = std::move(update.regions);
-    sea_news_ = true;
+    // Considered as often as views: alternating regions cost no more than a camera that moves.
+    view_news_ = true;
 }
 
 void Session::handle(const ClockRequest& request) {
@@ -316,6 +318,10 @@ void Session::handle(const Command& command) {
         send(reply);
         return;
     }
+    if (protocol_ < first_with_probes && std::holds_alternative<SkipTime>(command.action))
+        return refuse({ErrorCode::unknown_message,
+                       fmt::format("there is no SkipTime in protocol version {}", protocol_)},
+                      command.sequence);
     if (std::holds_alternative<ListBoxes>(command.action)) {
         answers_.ask(ListRequest{command.sequence});
         return;
@@ -353,11 +359,15 @@ void Session::handle(Probe& probe) {
 
 void Session::handle(const Desync& desync) {
     if (const auto ok = probes_promised(); !ok) return refuse(ok.error(), desync.sequence);
-    if (read_at_us_ - desync_at_us_ < desync_interval_us)
-        return refuse({ErrorCode::rate_limited,
-                       fmt::format("two differences within {} s: wait for the snapshot before probing again",
-                                   desync_interval_us / microseconds_per_second)},
-                      desync.sequence);
+    if (read_at_us_ - desync_at_us_ < desync_interval_us) {
+        Goodbye goodbye = goodbye_for(
+            {ErrorCode::rate_limited,
+             fmt::format("two differences within {} s: wait for the snapshot before probing again",
+                         desync_interval_us / microseconds_per_second)},
+            desync.sequence);
+        goodbye.requirement = requirement::desync_answered;
+        return part(std::move(goodbye));
+    }
     desync_at_us_ = read_at_us_;
     const PartKind kind = kind_of(desync.box, desync.part);
     ++around_.stats.desyncs[kind];

@@ -61,6 +61,11 @@ void StateLane::wrote(size_t bytes, bool closes_result, int64_t now_us) {
     written_bytes_ += bytes;
     if (!closes_result) return;
     bytes_at_result_ = written_bytes_;
+    // One that a resync cut short of its meaning is passed by without an ack: it must not hold up the snapshot either.
+    if (result_ < resync_from_) {
+        acknowledged_bytes_ = written_bytes_;
+        return;
+    }
     outstanding_.push_back({result_, result_hash_, written_bytes_, patches_begun_, now_us});
 }
 

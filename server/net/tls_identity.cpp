@@ -95,6 +95,8 @@ std::shared_ptr<SSL_CTX> TlsIdentity::load() const {
     // An idle connection owns no record buffers; what a stalled one owns stays small.
     SSL_CTX_set_mode(
         c, SSL_MODE_RELEASE_BUFFERS | SSL_MODE_ENABLE_PARTIAL_WRITE | SSL_MODE_ACCEPT_MOVING_WRITE_BUFFER);
+    // One read takes one record: a peer that sends handshake records (KeyUpdate) without end would keep a read from ever coming back.
+    SSL_CTX_clear_mode(c, SSL_MODE_AUTO_RETRY);
     SSL_CTX_set_options(c, SSL_OP_NO_TICKET | SSL_OP_NO_RENEGOTIATION | SSL_OP_NO_COMPRESSION);
     SSL_CTX_set_num_tickets(c, 0);
     SSL_CTX_set_session_cache_mode(c, SSL_SESS_CACHE_OFF);

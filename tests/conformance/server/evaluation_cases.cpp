@@ -91,17 +91,16 @@ void add_samples(Catalogue& all) {
         for (const int64_t metres : {1000, 5000})
             at(fmt::format("{}-{}-m", name, metres),
                fmt::format("Samples {} m {} of the scene's middle", metres, name),
-               [way = way, metres](const Target& t) {
-                   return LatticePoint{t.place.x + way.x * metres * lattice_per_metre,
-                                       t.place.z + way.z * metres * lattice_per_metre};
+               [step = way, metres](const Target& t) {
+                   return LatticePoint{t.place.x + step.x * metres * lattice_per_metre,
+                                       t.place.z + step.z * metres * lattice_per_metre};
                });
     const int64_t far = world_bound - 2 * int64_t{radius};
     for (const auto& [x, z] :
          {std::pair{far, far}, std::pair{-far, far}, std::pair{far, -far}, std::pair{-far, -far}})
         at(fmt::format("corner-{}-{}", x > 0 ? "east" : "west", z > 0 ? "south" : "north"),
-           "Samples at a corner of the world", [x = x, z = z](const Target&) {
-               return LatticePoint{x, z};
-           });
+           "Samples at a corner of the world",
+           [corner = LatticePoint{x, z}](const Target&) { return corner; });
     for (size_t i = 0; i < 8; ++i)
         at(fmt::format("box-{}", i), fmt::format("Samples where box {} of the scene begins", i),
            [i](const Target& t) {

@@ -33,11 +33,11 @@ void add_tokens(Catalogue& all) {
                                      std::pair{"admin", Role::admin}})
         all.push_back(server_case(
             fmt::format("R-127/role-{}", name), fmt::format("A token for a {} makes one", name),
-            [role = role](ServerTrial& trial) {
+            [given = role](ServerTrial& trial) {
                 ClientHello hello = ServerPeer::usual_hello();
                 hello.token =
-                    sign_token(usual_token(role, trial.target().hello.world), trial.target().tokens.key());
-                if (trial.log_in(hello).hello().role != role) throw Failed{"the hello tells another role"};
+                    sign_token(usual_token(given, trial.target().hello.world), trial.target().tokens.key());
+                if (trial.log_in(hello).hello().role != given) throw Failed{"the hello tells another role"};
             }));
     const auto bad = [&](const char* id, const char* title, Change change) {
         all.push_back(

@@ -224,10 +224,10 @@ void add_versions(Catalogue& all) {
             throw Failed{"the server's hello has another version of the model"};
     }));
 
-    constexpr Answer world{ErrorCode::wrong_world, requirement::world_name};
+    static constexpr Answer world{ErrorCode::wrong_world, requirement::world_name};
     const auto other_world = [&](const char* id, const char* title,
                                  const std::function<std::string(const std::string&)>& name) {
-        all.push_back(server_case(id, title, [name, world](ServerTrial& trial) {
+        all.push_back(server_case(id, title, [name](ServerTrial& trial) {
             ClientHello wrong = ServerPeer::usual_hello();
             wrong.world = name(trial.target().hello.world);
             ServerPeer& peer = trial.connect();
@@ -283,13 +283,13 @@ void add_sequences(Catalogue& all) {
          }},
     };
     for (const auto& [name, make] : kinds) {
-        const auto broken = [&all, name = name, make = make](const char* kind, const char* title,
-                                                             const std::vector<uint32_t>& numbers) {
+        const auto broken = [&all, type = name, build = make](const char* kind, const char* title,
+                                                              const std::vector<uint32_t>& numbers) {
             all.push_back(
-                server_case(fmt::format("R-125/{}-{}", name, kind), fmt::format("{}: {}", name, title),
-                            [make, numbers](ServerTrial& trial) {
+                server_case(fmt::format("R-125/{}-{}", type, kind), fmt::format("{}: {}", type, title),
+                            [build, numbers](ServerTrial& trial) {
                                 ServerPeer& peer = trial.log_in();
-                                for (const uint32_t number : numbers) peer.send(make(number));
+                                for (const uint32_t number : numbers) peer.send(build(number));
                                 const Goodbye goodbye = peer.expect_goodbye(ErrorCode::sequence_not_monotone);
                                 if (goodbye.offending_sequence != numbers.back())
                                     throw Failed{fmt::format("the goodbye names sequence {}, not {}",
@@ -302,9 +302,10 @@ void add_sequences(Catalogue& all) {
         broken("wrapped", "after 2³² - 1 comes 1", {UINT32_MAX, 1});
         all.push_back(
             server_case(fmt::format("R-125/{}-gaps", name), fmt::format("{}: gaps are allowed", name),
-                        [make = make](ServerTrial& trial) {
+                        [build = make](ServerTrial& trial) {
                             ServerPeer& peer = trial.log_in();
-                            for (const uint32_t number : {1U, 3U, 1000U, UINT32_MAX}) peer.send(make(number));
+                            for (const uint32_t number : {1U, 3U, 1000U, UINT32_MAX})
+                                peer.send(build(number));
                             peer.send(Ack{});
                             peer.settle(Milliseconds(60));
                             if (peer.goodbye())

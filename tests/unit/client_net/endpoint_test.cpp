@@ -60,5 +60,17 @@ TEST(Endpoint, anything_else_names_an_example) {
 
 TEST(Endpoint, the_default_is_one) { EXPECT_EQ(parse_endpoint(default_server).host, "127.0.0.1"); }
 
+TEST(Endpoints, TokensTravelEncryptedOrWithinThisMachine) {
+    for (const char* safe : {"127.0.0.1:7421", "127.1.2.3:7421", "[::1]:7421", "localhost:7421",
+                             "ws://localhost:7421", "tls://sea.example:7421", "wss://10.0.0.1"})
+        EXPECT_TRUE(keeps_secrets(parse_endpoint(safe))) << safe;
+    for (const char* open : {"sea.example:7421", "10.0.0.1:7421", "ws://10.0.0.1:7421",
+                             "127.sea.example:7421", "localhost.example:7421", "[::2]:7421"}) {
+        EXPECT_FALSE(keeps_secrets(parse_endpoint(open))) << open;
+        EXPECT_THROW(require_secrecy(parse_endpoint(open)), OperatorError) << open;
+    }
+    EXPECT_NO_THROW(require_secrecy(parse_endpoint("127.0.0.1:7421")));
+}
+
 }  // namespace
 }  // namespace trochoid

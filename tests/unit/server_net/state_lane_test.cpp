@@ -131,6 +131,24 @@ TEST_F(StateLaneRules, ResyncInTheMiddleOfAResultStillWritesItWhole) {
     EXPECT_EQ(write_result().base, 0U);
 }
 
+TEST_F(StateLaneRules, ALargeResultThatAResyncCutShortDoesNotHoldUpTheSnapshot) {
+    const Delta first = write_result();
+    ++sea.revision;
+    MadeResult made = *sea.make_result({view, regions, nullptr, 0});
+    const InterestDelta change = sea.change(*lane.base(), *made.state, made.key);
+    lane.begin(std::move(made), change, 16384);
+    EXPECT_EQ(ack(first, 1), StateLane::Acknowledged::out_of_step);
+    lane.resync();
+    Delta last;
+    while (lane.writing()) {
+        last = lane.take_piece();
+        lane.wrote(2 * StateLane::window_bytes, last.last, now_us);
+    }
+    EXPECT_TRUE(lane.has_credit()) << "the client passes it by without an ack";
+    EXPECT_EQ(ack(last), StateLane::Acknowledged::superseded) << "or with one that was on its way";
+    EXPECT_EQ(write_result().base, 0U);
+}
+
 TEST_F(StateLaneRules, SlowTakerOfPatchesGetsNoMoreThanASecondsWorthAhead) {
     sea.patches = 200;
     const Delta first = write_result(10);
