@@ -296,7 +296,8 @@ StoryEnd cut_story(bool up, uint64_t at, CutKind kind) {
     narrow.tan_half_width = 0.15F;
     narrow.tan_half_height = 0.1F;
     SimClient client(net, steady, narrow, the_regions());
-    time.run_until(time.now_us() + (kind == CutKind::silence ? 14 : 3) * second);
+    // A silent server is given up after 8 s without a word, seen at the next clock request, said goodbye to for a second.
+    time.run_until(time.now_us() + (kind == CutKind::silence ? 20 : 3) * second);
     end.failure = verdict(client, node, narrow);
     if (end.failure.empty()) end.failure = verdict(node.counts(), false);
     const bool was_cut = net.wires()[0]->was_cut().has_value();
