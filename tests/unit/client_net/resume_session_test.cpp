@@ -4,8 +4,8 @@
 #include <functional>
 
 #include "client/app/ocean_session.hpp"
-#include "protocol/model/probe_sum.hpp"
 #include "tests/support/net/raw_server.hpp"
+#include "tests/support/probe_answer.hpp"
 
 namespace trochoid {
 namespace {
@@ -78,21 +78,6 @@ Delta step_to(const InterestState& before, const InterestState& after, uint32_t 
     d.key.until = {1};
     d.key.slack = 9000 + result;
     return d;
-}
-
-ProbeReply answer(const InterestState& state, const Probe& probe) {
-    ProbeReply reply;
-    reply.sequence = probe.sequence;
-    reply.result = probe.result;
-    reply.time = probe.time;
-    for (const LatticePoint p : probe.points) {
-        const PointSum sum = probe_sum(state, probe.time, p);
-        ProbedPoint point;
-        point.sample = sum.sample;
-        for (const PartSum& part : sum.parts) point.parts.push_back({part.box, part.part, part.sum});
-        reply.points.push_back(point);
-    }
-    return reply;
 }
 
 struct ResumeSession : testing::Test {
@@ -264,7 +249,7 @@ TEST_F(ResumeSession, EqualSeasAreFoundEqual) {
     EXPECT_EQ(probe->result, 1U);
     EXPECT_EQ(probe->points.size(), 4U);
     for (const LatticePoint p : probe->points) EXPECT_NE(patch_holding(sea, p), nullptr);
-    server.send(answer(sea, *probe));
+    server.send(answer_from(sea, *probe));
     ASSERT_TRUE(
         session.wait_until([&] { return session.statistics().store.probed == 4; }, milliseconds(3000)));
     EXPECT_EQ(session.statistics().store.desyncs, 0U);
@@ -311,7 +296,7 @@ TEST_P(Desyncs, AreLocatedToldAndHealed) {
     server.send(snapshot_of(told, 1));
     const auto probe = server.wait_for<Probe>();
     ASSERT_TRUE(probe);
-    server.send(answer(right, *probe));
+    server.send(answer_from(right, *probe));
     const auto desync = server.wait_for<Desync>();
     ASSERT_TRUE(desync);
     EXPECT_EQ(desync->result, 1U);

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "protocol/model/probe_sum.hpp"
+#include "tests/support/probe_answer.hpp"
 
 namespace trochoid {
 namespace {
@@ -27,21 +27,6 @@ InterestState two_boxes() {
         state.patches.emplace(patch.key, patch);
     }
     return state;
-}
-
-ProbeReply answer(const InterestState& state, const Probe& probe) {
-    ProbeReply reply;
-    reply.sequence = probe.sequence;
-    reply.result = probe.result;
-    reply.time = probe.time;
-    for (const LatticePoint p : probe.points) {
-        const PointSum sum = probe_sum(state, probe.time, p);
-        ProbedPoint point;
-        point.sample = sum.sample;
-        for (const PartSum& part : sum.parts) point.parts.push_back({part.box, part.part, part.sum});
-        reply.points.push_back(point);
-    }
-    return reply;
 }
 
 Probe probe_at(std::vector<LatticePoint> points) {
@@ -83,7 +68,7 @@ TEST(DesyncProbe, WithoutPatchesPointsLieInRegions) {
 TEST(DesyncProbe, EqualStatesHaveNoDifference) {
     const InterestState state = two_boxes();
     const Probe probe = probe_at(probe_points(state, {}, 1, 4));
-    const auto finding = compare(answer(state, probe), probe, state);
+    const auto finding = compare(answer_from(state, probe), probe, state);
     ASSERT_TRUE(finding);
     EXPECT_EQ(finding->compared, 4U);
     EXPECT_FALSE(finding->difference);
@@ -96,7 +81,7 @@ TEST(DesyncProbe, ADifferenceIsNamedByPatchBoxAndPart) {
     box->trains[1].phase ^= 1U << 31;
     wrong.boxes[{1}] = box;
     const Probe probe = probe_at(probe_points(right, {}, 1, 4));
-    const auto finding = compare(answer(right, probe), probe, wrong);
+    const auto finding = compare(answer_from(right, probe), probe, wrong);
     ASSERT_TRUE(finding);
     ASSERT_TRUE(finding->difference);
     const Desync& d = *finding->difference;
@@ -112,7 +97,7 @@ TEST(DesyncProbe, ADifferenceIsNamedByPatchBoxAndPart) {
 TEST(DesyncProbe, PointsThatAreNotAnsweredAreNotCompared) {
     const InterestState state = two_boxes();
     const Probe probe = probe_at(probe_points(state, {}, 1, 4));
-    ProbeReply reply = answer(state, probe);
+    ProbeReply reply = answer_from(state, probe);
     reply.points.resize(2);
     const auto finding = compare(reply, probe, state);
     ASSERT_TRUE(finding);
@@ -122,13 +107,13 @@ TEST(DesyncProbe, PointsThatAreNotAnsweredAreNotCompared) {
 TEST(DesyncProbe, AReplyToAnotherProbeIsABreach) {
     const InterestState state = two_boxes();
     const Probe probe = probe_at(probe_points(state, {}, 1, 4));
-    ProbeReply other = answer(state, probe);
+    ProbeReply other = answer_from(state, probe);
     other.result = 5;
     EXPECT_EQ(compare(other, probe, state).error().code, ErrorCode::value_out_of_range);
-    other = answer(state, probe);
+    other = answer_from(state, probe);
     other.time.us += 1;
     EXPECT_EQ(compare(other, probe, state).error().code, ErrorCode::value_out_of_range);
-    other = answer(state, probe);
+    other = answer_from(state, probe);
     other.points.emplace_back();
     EXPECT_EQ(compare(other, probe, state).error().code, ErrorCode::value_out_of_range);
 }
