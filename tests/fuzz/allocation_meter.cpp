@@ -10,16 +10,16 @@ thread_local size_t given = 0;
 }  // namespace
 
 #if defined(__has_feature)
-#if __has_feature(address_sanitizer)
+#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
 #define TROCHOID_SANITIZER_COUNTS 1
 #endif
-#elif defined(__SANITIZE_ADDRESS__)
+#elif defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 #define TROCHOID_SANITIZER_COUNTS 1
 #endif
 
 #ifdef TROCHOID_SANITIZER_COUNTS
 
-// The sanitizer has its own operator new, and tells of each allocation.
+// These sanitizers have their own operator new, and tell of each allocation.
 extern "C" int __sanitizer_install_malloc_and_free_hooks(void (*allocated)(const volatile void*, size_t),
                                                          void (*freed)(const volatile void*));
 

@@ -144,6 +144,15 @@ void VirtualWire::heal() {
     }
 }
 
+void VirtualWire::forget() {
+    // Moved out first: what a callback owns may close its end here.
+    const auto dropped = std::exchange(ends_, {});
+}
+
+VirtualNet::~VirtualNet() {
+    for (const auto& wire : wires_) wire->forget();
+}
+
 void VirtualNet::heal_all() {
     for (const auto& wire : wires_) wire->heal();
 }

@@ -54,6 +54,8 @@ public:
     void cut(CutKind kind);
     /// What has not happened to it yet will not happen.
     void heal();
+    /// Nobody is called back any more.
+    void forget();
     std::optional<CutKind> was_cut() const { return cut_; }
     uint64_t delivered(int from_side) const { return ways_[static_cast<size_t>(from_side)].link.delivered(); }
     bool over() const { return reset_ || (ends_[0].closed && ends_[1].closed); }
@@ -101,6 +103,8 @@ public:
     explicit VirtualNet(uint64_t seed) : seed_(seed) {}
     VirtualNet(const VirtualNet&) = delete;
     VirtualNet& operator=(const VirtualNet&) = delete;
+    /// Drops what still waits for bytes, as an io_context drops its handlers.
+    ~VirtualNet();
 
     /// What becomes of connection `number` to a port.
     std::function<Plan(uint64_t number, uint16_t port)> plan;
