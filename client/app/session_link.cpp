@@ -10,6 +10,7 @@
 #include "protocol/units/hash.hpp"
 #include "protocol/units/operator_error.hpp"
 #include "protocol/units/version.hpp"
+#include "protocol/wire/requirements.hpp"
 
 namespace trochoid {
 
@@ -46,6 +47,15 @@ int64_t pause_ms(uint32_t failures) {
     const int64_t pause = std::min(longest_pause_ms, first_pause_ms << std::min(failures, 10U));
     const auto dice = static_cast<int64_t>(splitmix64(static_cast<uint64_t>(client_monotonic_us())) % 512);
     return pause * (768 + dice) / 1024;
+}
+
+// Requirements of servers alone: no code stands for them.
+constexpr uint16_t tiles_of_grid = 136;
+constexpr uint16_t resumed_state = 158;
+
+/// Results out of order break another requirement than messages of a client do.
+uint16_t requirement_of_result(ErrorCode code) {
+    return code == ErrorCode::sequence_not_monotone ? requirement::result_order : requirement_of(code);
 }
 
 uint32_t sequence_of_answer(const ServerMessage& message) {
@@ -135,7 +145,8 @@ void SessionLink::receive(ServerMessage message, int64_t received_us) {
 void SessionLink::on(const ServerHello& hello, int64_t received_us) {
     if (hello.resumed && !resume_asked_)
         return connection_->refuse(
-            {ErrorCode::unexpected_message, "the server resumes a session that was not asked for"});
+            {ErrorCode::unexpected_message, "the server resumes a session that was not asked for"},
+            resumed_state);
     live_ = true;
     live_since_us_ = received_us;
     if (!store_.hello() || store_.hello()->instance != hello.instance) {
@@ -213,7 +224,7 @@ void SessionLink::on(const ClockReply& reply, int64_t received_us) {
 
 void SessionLink::on(const Delta& delta, int64_t received_us) {
     auto ack = store_.apply(delta);
-    if (!ack) return connection_->refuse(ack.error());
+    if (!ack) return connection_->refuse(ack.error(), requirement_of_result(ack.error().code));
     if (!*ack) return;
     const size_t patches = delta.change.patches.size();
     if (patches >= 8) {
@@ -234,7 +245,8 @@ void SessionLink::on(const Delta& delta, int64_t received_us) {
 }
 
 void SessionLink::on(const TerrainTiles& tiles, int64_t) {
-    if (const auto taken = store_.apply(tiles); !taken) return connection_->refuse(taken.error());
+    if (const auto taken = store_.apply(tiles); !taken)
+        return connection_->refuse(taken.error(), tiles_of_grid);
     show_store();
 }
 
@@ -303,7 +315,8 @@ void SessionLink::answer(uint32_t sequence, ServerMessage& message) {
     const auto asked = questions_.find(sequence);
     if (asked == questions_.end())
         return connection_->refuse({ErrorCode::unexpected_message,
-                                    fmt::format("an answer to question {}, which was not asked", sequence)});
+                                    fmt::format("an answer to question {}, which was not asked", sequence)},
+                                   0);
     if (!asked->second.take(message)) return;
     questions_.erase(asked);
 }

@@ -212,6 +212,12 @@ void Connection::close(const Goodbye& goodbye) { part(goodbye, CloseCause::close
 
 void Connection::refuse(const Error& error) { refuse(error, goodbye_for(error)); }
 
+void Connection::refuse(const Error& error, uint16_t requirement) {
+    Goodbye goodbye = goodbye_for(error);
+    goodbye.requirement = requirement;
+    refuse(error, std::move(goodbye));
+}
+
 void Connection::refuse(const Error& error, Goodbye goodbye) {
     const Impl& my = *impl_;
     if (my.phase == SessionPhase::awaiting_hello)

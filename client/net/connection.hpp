@@ -62,6 +62,8 @@ public:
     /// Ends because the server broke the standard, or because of a limit of our own (too_much_land): it is told the code, and `closed`
     /// says refused_server or over_our_limit.
     void refuse(const Error& error);
+    /// The same where the requirement broken (0: none) is not the one that the code stands for.
+    void refuse(const Error& error, uint16_t requirement);
     /// From any thread.
     Traffic traffic() const;
 

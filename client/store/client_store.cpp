@@ -287,8 +287,11 @@ Result<Done> ClientStore::finish_result(const Delta& last_piece) {
     next->sea = Sea(std::move(boxes));
     next->regions = last_piece.key.regions;
     next->key = last_piece.key;
+    // Another node of the world may be behind the one that we were at: what it has not read yet may take effect before that one's
+    // watermark, and is not in this result.
+    const bool went_back = last_piece.key.log_position < next->log_position;
+    next->watermark = went_back ? last_piece.watermark : std::max(next->watermark, last_piece.watermark);
     next->log_position = last_piece.key.log_position;
-    next->watermark = std::max(next->watermark, last_piece.watermark);
     snapshot_ = std::move(next);
     return Done{};
 }
@@ -318,11 +321,13 @@ ClientStore::PreparedBoxes ClientStore::prepare_boxes(const Fields& fields) cons
     return prepared;
 }
 
-/// Only results that differ from the last one by events alone can tell: another view brings boxes too.
+/// Only results that differ from the last one by events alone can tell: another view brings boxes too, or another error or span.
 void ClientStore::count_late_events(const CullKey& key) {
     const StoreSnapshot& before = *snapshot_;
     if (before.result == 0 || key.log_position == before.log_position) return;
-    if (key.anchor != before.key.anchor || key.regions != before.key.regions) return;
+    CullKey same = before.key;
+    same.log_position = key.log_position;
+    if (key != same) return;
     for (const BoxId id : touched_boxes_) {
         const auto now = state_.boxes.find(id);
         if (now == state_.boxes.end()) continue;

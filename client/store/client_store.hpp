@@ -44,10 +44,12 @@ struct StoreCounters {
     uint64_t passed_by = 0;  ///< pieces not applied because a resync had been asked for
     uint64_t resyncs = 0;    ///< results that did not fit or hashed differently: asked again from nothing
     uint64_t tiles = 0;
-    uint64_t late_events = 0;  ///< boxes that an event changed before the watermark in force
-    uint64_t resumed = 0;      ///< sessions that went on with what an earlier one had left
-    uint64_t probed = 0;       ///< points at which our sums were compared with the server's
-    uint64_t desyncs = 0;      ///< differences found there: told, and begun anew from nothing
+    /// Boxes that came or changed with an event, from before the watermark in force on. Where an event makes patches finer, an older box that
+    /// only now shows counts, too.
+    uint64_t late_events = 0;
+    uint64_t resumed = 0;  ///< sessions that went on with what an earlier one had left
+    uint64_t probed = 0;   ///< points at which our sums were compared with the server's
+    uint64_t desyncs = 0;  ///< differences found there: told, and begun anew from nothing
     bool operator==(const StoreCounters&) const = default;
 };
 
@@ -73,7 +75,8 @@ public:
     /// did not build on what we hold, or hashed differently): until the next snapshot results pass by.
     Result<std::optional<Ack>> apply(const Delta& delta);
     Result<Done> apply(const TerrainTiles& message);
-    /// The watermark of a clock reply, which holds for all events before `position`: it may only rise.
+    /// The watermark of a clock reply, which holds for all events before `position`: it only rises. It falls where a snapshot is of an
+    /// earlier log position than what was held, from a node that lags.
     void confirm(SeaTime watermark, LogPosition position);
 
     /// The newest snapshot; the same pointer until something changes.

@@ -30,6 +30,8 @@ public:
     int64_t error_bound_us(int64_t client_now_us) const;
     /// Delay of the best recent round trip.
     int64_t round_trip_us() const { return best_.delay_us; }
+    /// The server's monotonic clock minus ours, by that round trip.
+    int64_t offset_us() const { return best_.offset_us; }
     const SeaClock& clock() const { return clock_; }
 
 private:

@@ -29,8 +29,8 @@ Result<LogEvent> decode_event(std::span<const uint8_t> data);
 uint64_t schema_hash();
 
 /// Splits a change into deltas whose encoding stays within max_bytes each, in order: boxes, then patches nearest first
-/// each after the land blocks under it, then removals; every piece applies alone. `header` gives result, base, hashes, key
-/// and watermark; the state's hash goes into the last piece only. max_bytes must hold the key with its regions and any
+/// each after the land blocks under it, then removals; every piece applies alone (as planes, a piece's own patches are in their
+/// keys' order). `header` gives result, base, hashes, key, watermark and the patches' form; the state's hash goes into the last piece only. max_bytes must hold the key with its regions and any
 /// single entry (15 KiB do: 256 trains, each with a field and its overlay, and 64 legs take 13.3 KiB).
 std::vector<Delta> split(const Delta& header, const InterestDelta& change, size_t max_bytes);
 

@@ -2,6 +2,7 @@
 
 #include <map>
 
+#include "protocol/codec/patch_coding.hpp"
 #include "protocol/codec/plane_coding.hpp"
 #include "protocol/units/assert.hpp"
 
@@ -19,23 +20,27 @@ flatbuffers::Offset<flatbuffers::Vector<T>> scalars(Builder& b, const std::vecto
     return list.empty() ? 0 : b.CreateVector(list);
 }
 
-/// The parallel lists that patches and blocks travel as.
+/// The parallel lists that blocks and patches travel as; the patches' are empty where they are planes.
 struct FlatLists {
     std::vector<wire_fb::BlockHead> blocks;
     Bytes nodes;
     std::vector<uint32_t> box_ids;
     std::vector<wire_fb::Patch> patches;
     std::vector<wire_fb::PatchBox> patch_boxes;
+    std::vector<wire_fb::PatchName> removed_patches;
+    Bytes patch_planes;
 };
 
-FlatLists flatten(const InterestDelta& change) {
-    FlatLists lists;
+void flatten_blocks(const InterestDelta& change, FlatLists& lists) {
     for (const FieldBlock& block : change.blocks) {
         const Bytes nodes = code_nodes(*block.block);
         lists.blocks.emplace_back(block.field.value, block.block->key.x, block.block->key.z,
                                   static_cast<uint16_t>(nodes.size()), block.step_log2);
         lists.nodes.insert(lists.nodes.end(), nodes.begin(), nodes.end());
     }
+}
+
+void flatten_patches(const InterestDelta& change, FlatLists& lists) {
     std::map<BoxId, uint16_t> index_of;
     for (const PatchDescriptor& patch : change.patches) {
         lists.patches.emplace_back(patch.key.x, patch.key.z, patch.left_out, patch.height_error,
@@ -49,6 +54,22 @@ FlatLists flatten(const InterestDelta& change) {
             lists.patch_boxes.emplace_back(known->second, box.train_count);
         }
     }
+    for (const PatchKey& k : change.removed_patches) lists.removed_patches.emplace_back(k.x, k.z, k.level);
+}
+
+void flatten_to_planes(const InterestDelta& change, FlatLists& lists) {
+    if (change.patches.empty() && change.removed_patches.empty()) return;
+    lists.box_ids = boxes_named(change.patches);
+    lists.patch_planes = code_patches(change, lists.box_ids);
+}
+
+FlatLists flatten(const Delta& d) {
+    FlatLists lists;
+    flatten_blocks(d.change, lists);
+    if (d.patch_form == PatchForm::planes)
+        flatten_to_planes(d.change, lists);
+    else
+        flatten_patches(d.change, lists);
     return lists;
 }
 
@@ -62,16 +83,14 @@ std::vector<flatbuffers::Offset<wire_fb::Box>> pack_boxes(Builder& b, const Inte
 }  // namespace
 
 flatbuffers::Offset<wire_fb::Delta> pack(Builder& b, const Delta& d) {
-    const FlatLists lists = flatten(d.change);
+    const FlatLists lists = flatten(d);
     const auto key = pack(b, d.key);
     const auto boxes = scalars(b, pack_boxes(b, d.change));
     std::vector<uint32_t> gone_boxes;
     std::vector<wire_fb::BlockName> gone_blocks;
-    std::vector<wire_fb::PatchName> gone_patches;
     for (const BoxId id : d.change.removed_boxes) gone_boxes.push_back(id.value);
     for (const FieldBlockKey& k : d.change.removed_blocks)
         gone_blocks.emplace_back(k.field.value, k.block.x, k.block.z);
-    for (const PatchKey& k : d.change.removed_patches) gone_patches.emplace_back(k.x, k.z, k.level);
     const auto removed_boxes = scalars(b, gone_boxes);
     const auto blocks = structs(b, lists.blocks);
     const auto nodes = scalars(b, lists.nodes);
@@ -79,10 +98,11 @@ flatbuffers::Offset<wire_fb::Delta> pack(Builder& b, const Delta& d) {
     const auto box_ids = scalars(b, lists.box_ids);
     const auto patches = structs(b, lists.patches);
     const auto patch_boxes = structs(b, lists.patch_boxes);
-    const auto removed_patches = structs(b, gone_patches);
+    const auto removed_patches = structs(b, lists.removed_patches);
+    const auto patch_planes = scalars(b, lists.patch_planes);
     return wire_fb::CreateDelta(b, d.result, d.piece, d.last, d.base, d.base_hash, d.state_hash, key,
                                 d.watermark.us, boxes, removed_boxes, blocks, nodes, removed_blocks, box_ids,
-                                patches, patch_boxes, removed_patches);
+                                patches, patch_boxes, removed_patches, patch_planes);
 }
 
 namespace {
@@ -90,6 +110,7 @@ namespace {
 /// Longest lists of one piece: no frame holds more, so these only bound what a decoder allocates.
 constexpr size_t most_entries = 65536;
 constexpr size_t largest_node_bytes = size_t{1} << 20;
+constexpr size_t largest_patch_planes = size_t{1} << 20;
 
 void unpack_boxes(Scrutiny& check, const wire_fb::Delta& d, InterestDelta& change) {
     const auto* boxes = check.optional_list("boxes", d.boxes(), Limits{}.boxes, ErrorCode::too_many_boxes);
@@ -136,7 +157,7 @@ void unpack_blocks(Scrutiny& check, const wire_fb::Delta& d, InterestDelta& chan
 
 void unpack_patches(Scrutiny& check, const wire_fb::Delta& d, InterestDelta& change) {
     const auto* patches = check.optional_list("patches", d.patches(), Limits{}.patches);
-    const auto* entries = check.optional_list("patch_boxes", d.patch_boxes(), most_entries);
+    const auto* entries = check.optional_list("patch_boxes", d.patch_boxes(), most_patch_boxes);
     const auto* ids = check.optional_list("box_ids", d.box_ids(), Limits{}.boxes, ErrorCode::too_many_boxes);
     const uint32_t known = ids == nullptr ? 0 : ids->size();
     const uint32_t available = entries == nullptr ? 0 : entries->size();
@@ -181,6 +202,19 @@ void unpack_removals(Scrutiny& check, const wire_fb::Delta& d, InterestDelta& ch
             change.removed_patches.push_back(unpack_patch_key(check, k->level(), k->x(), k->z()));
 }
 
+void unpack_patch_planes(Scrutiny& check, const wire_fb::Delta& d, Delta& out) {
+    const auto* planes = check.optional_list("patch_planes", d.patch_planes(), largest_patch_planes);
+    if (planes == nullptr) return;
+    check.require(d.patches() == nullptr && d.patch_boxes() == nullptr && d.removed_patches() == nullptr,
+                  "patch_planes stand in place of patches, patch_boxes and removed_patches, not beside them");
+    if (check.refused()) return;
+    std::vector<uint32_t> box_ids;
+    if (d.box_ids() != nullptr)
+        for (const uint32_t id : *d.box_ids()) box_ids.push_back(id);
+    unpack_patches(check, {planes->data(), planes->size()}, box_ids, out.change);
+    out.patch_form = PatchForm::planes;
+}
+
 }  // namespace
 
 Delta unpack(Scrutiny& check, const wire_fb::Delta& d) {
@@ -198,6 +232,7 @@ Delta unpack(Scrutiny& check, const wire_fb::Delta& d) {
     unpack_blocks(check, d, out.change);
     unpack_patches(check, d, out.change);
     unpack_removals(check, d, out.change);
+    unpack_patch_planes(check, d, out);
     return out;
 }
 

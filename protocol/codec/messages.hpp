@@ -302,6 +302,9 @@ struct ClockReply {
     bool operator==(const ClockReply&) const = default;
 };
 
+/// How a delta's patches travel: as lists, all that version 2 knows, or as planes, a third of the bytes.
+enum class PatchForm : uint8_t { lists, planes };
+
 /// One piece of a result. Every piece applies alone; the last one carries the state's hash.
 struct Delta {
     uint32_t result = 0;  ///< number of the result, ascending by 1
@@ -312,7 +315,8 @@ struct Delta {
     uint64_t state_hash = 0;  ///< in the last piece: hash_of(InterestState) after it
     CullKey key;
     SeaTime watermark;
-    InterestDelta change;
+    InterestDelta change;  ///< as planes: patches and removed patches each ascend by key (`split` sees to it)
+    PatchForm patch_form = PatchForm::lists;
 };
 
 struct TerrainTiles {

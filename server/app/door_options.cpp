@@ -12,6 +12,7 @@ namespace trochoid {
 namespace {
 
 constexpr uint32_t most_connections = 1U << 20;
+constexpr uint32_t most_logins = 1U << 20;
 constexpr uint32_t longest_drain_ms = 600'000;
 
 std::string refuse_empty(const std::string& value) { return value.empty() ? "is empty: give a value" : ""; }
@@ -32,13 +33,19 @@ void add_door_options(CLI::App& app, DoorOptions& options) {
         ->check(refuse_empty)
         ->allow_extra_args(false);
     app.add_option("--allow-host", options.hosts,
-                   "Name under which web pages may ask for this server; may be given more than once")
+                   "Name under which WebSockets and /metrics may be asked for; may be given more than once")
         ->check(refuse_empty)
         ->allow_extra_args(false);
     app.add_option("--connections-per-address", options.connections_per_address,
                    "Most connections at once of one address (IPv6: a /64), 0 for any number (default 16; on "
                    "loopback any number)")
         ->check(CLI::Range(0U, most_connections));
+    app.add_option(
+           "--logins-per-address", options.logins_per_address,
+           "Most logins a second of one address (IPv6: a /64), also on loopback, 0 for any number; four times as many at once, "
+           "and twice as many wait for their turn")
+        ->check(CLI::Range(0U, most_logins))
+        ->capture_default_str();
     app.add_option("--drain-ms", options.drain_ms,
                    "Milliseconds from SIGTERM, when /readyz turns 503, until the port is closed")
         ->check(CLI::Range(0U, longest_drain_ms))
@@ -57,11 +64,12 @@ std::string text_of(const DoorOptions& options) {
         return names.empty() ? std::string("none") : fmt::format("{}", fmt::join(names, " "));
     };
     return fmt::format(
-        "TLS {}, plaintext {}, origins {}, hosts {}, connections per address {}, drain {} ms",
+        "TLS {}, plaintext {}, origins {}, hosts {}, connections per address {}, logins per address {}, drain {} ms",
         options.tls() ? fmt::format("{} {}", options.tls_cert.string(), options.tls_key.string()) : "none",
         options.allow_plaintext ? "for all" : "on loopback only", list(options.origins), list(options.hosts),
         options.connections_per_address ? fmt::format("{}", *options.connections_per_address)
                                         : "16 (loopback: any)",
+        options.logins_per_address == 0 ? "any" : fmt::format("{} a second", options.logins_per_address),
         options.drain_ms);
 }
 

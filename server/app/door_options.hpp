@@ -22,6 +22,8 @@ struct DoorOptions {
     std::vector<std::string> hosts;    ///< names under which pages may ask, beside loopback and what is bound
     /// Connections at once of one address (IPv6: a /64), 0 any number; not given: 16, on loopback any number.
     std::optional<uint32_t> connections_per_address;
+    /// Logins a second of one address (IPv6: a /64), loopback like any other, 0 any number: four seconds' worth at once, two wait.
+    uint32_t logins_per_address = 10;
     uint32_t drain_ms =
         0;  ///< from SIGTERM, when /readyz turns 503, until nobody is accepted any more, 0 to 600,000
     bool operator==(const DoorOptions&) const = default;

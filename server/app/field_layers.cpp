@@ -55,29 +55,6 @@ FieldPtr flat_field(const CountingBlocks& counts, FieldId id, uint8_t step_log2)
 
 }  // namespace
 
-TracedLand with_first_field(const TracedLand& land, FieldId first_field) {
-    if (land.fields.empty() || land.fields.front()->id() == first_field) return land;
-    const uint32_t old_first = land.fields.front()->id().value;
-    const auto renamed = [&](FieldId id) {
-        return id.value < old_first ? id : FieldId{first_field.value + (id.value - old_first)};
-    };
-    TracedLand out = land;
-    for (FieldPtr& field : out.fields) {
-        const auto same = make_land_field(renamed(field->id()), field->step_log2(), field->blocks());
-        same->set_base(field->base());
-        field = same;
-    }
-    for (FieldOverlay& overlay : out.overlays) overlay.field = renamed(overlay.field);
-    for (FieldId& id : out.field_of_train) id = renamed(id);
-    if (land.memory) {
-        auto memory = std::make_shared<LandMemory>(*land.memory);
-        for (FieldPtr& field : memory->fields)
-            if (field && field->id().value >= old_first) field = out.fields[field->id().value - old_first];
-        out.memory = std::move(memory);
-    }
-    return out;
-}
-
 TracedLand without_hidden_blocks(TracedLand land, FieldId first_field, LayerLimit limit) {
     if (!land.memory || land.overlays.empty()) return land;
     const std::vector<FieldPtr>& tops = land.memory->fields;

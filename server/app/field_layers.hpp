@@ -5,9 +5,6 @@
 
 namespace trochoid {
 
-/// The same land with ids that follow on from another first field. Fields below, of a predecessor, keep theirs.
-TracedLand with_first_field(const TracedLand& land, FieldId first_field);
-
 /// How many blocks the overlays of a box may hold for each that counts, before they are laid down in fields of their own.
 struct LayerLimit {
     size_t blocks = 3;

@@ -35,7 +35,8 @@ WaitingCommand LandQueue::pop() {
 }
 
 size_t LandQueue::drop(uint64_t session) {
-    return std::erase_if(waiting_, [session](const auto& waiting) { return waiting.session == session; });
+    return std::erase_if(
+        waiting_, [session](const auto& waiting) { return waiting.session == session && !waiting.begun; });
 }
 
 }  // namespace trochoid

@@ -14,6 +14,8 @@ struct WaitingCommand {
     Command command;
     std::function<void(CommandReply)> reply;
     uint64_t session = 0;  ///< that sent it; 0: none, it came from this process
+    bool begun =
+        false;  ///< its land has been traced, alone or with others: carried out whatever becomes of its session
 };
 
 /// Commands that wait for land to be traced, in the order in which they came; bounded in all and for each session, so that nobody
@@ -33,7 +35,7 @@ public:
     const WaitingCommand* front() const { return waiting_.empty() ? nullptr : &waiting_.front(); }
     /// There must be one.
     WaitingCommand pop();
-    /// Takes out what a session that is over has left; how many.
+    /// Takes out what a session that is over has left and was not begun; how many.
     size_t drop(uint64_t session);
 
 private:

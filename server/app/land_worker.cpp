@@ -72,6 +72,7 @@ std::shared_ptr<ChangedLand> LandWorker::ground_of(const LandTask& task, LandAns
     auto changed = std::make_shared<ChangedLand>();
     if (task.earlier && task.earlier->outcome.world->terrain == task.world->terrain) {
         changed->outcome.edit = task.earlier->outcome.edit;
+        changed->refused = task.earlier->refused;
         changed->terrain_hash = task.earlier->terrain_hash;
         changed->choice = task.earlier->choice;
         changed->indexed.terrain = task.earlier->indexed.terrain;
@@ -86,6 +87,7 @@ std::shared_ptr<ChangedLand> LandWorker::ground_of(const LandTask& task, LandAns
             sum = sum ? followed_by(*sum, std::move(next).value()) : std::move(next).value();
     }
     if (!sum) return nullptr;
+    changed->refused = answer.refused;
     changed->outcome.edit = std::move(*sum);
     const TerrainEdit& edit = changed->outcome.edit;
     changed->terrain_hash = terrain_hash(*edit.terrain);

@@ -23,6 +23,8 @@ namespace trochoid {
 /// All that follows from a change of the land: what is published together.
 struct ChangedLand {
     LandOutcome outcome;
+    /// One a change: the error of one that cannot be after those before it. It stands only if they all come to be.
+    std::vector<std::optional<Error>> refused;
     uint64_t terrain_hash = 0;
     std::shared_ptr<const TerrainChoice> choice;
     IndexedLand indexed;  ///< terrain and fields, for culls
@@ -41,7 +43,7 @@ struct LandTask {
 };
 
 struct LandAnswer {
-    /// One a change: the error of one that cannot be. The others stand as if it had not been asked for.
+    /// One a change, where all are refused: `changed` is null then, and there is no `error`.
     std::vector<std::optional<Error>> refused;
     std::shared_ptr<const ChangedLand> changed;  ///< null where all are refused, or where there is an `error`
     std::optional<Error> error;                  ///< too_much_land

@@ -42,6 +42,7 @@ SeaAuthority::SeaAuthority(IoLoop& loop, World& world, EventLog& log, LandWorker
       state_(world.state()),
       choice_(std::make_shared<const TerrainChoice>(state_->terrain)) {
     index_ = std::make_shared<const InterestIndex>(*state_);
+    learn_from_log();
 }
 
 SeaTime SeaAuthority::now() const { return sea_time_at(state_->clock, monotonic_us()); }
@@ -246,15 +247,23 @@ bool SeaAuthority::append(std::vector<Planned> planned) {
         next.event.present = world_.present();
         batch.push_back({next.event.event_id, encode(next.event)});
     }
-    const AppendResult result = log_.append(world_.state()->log_position, batch);
+    const LogPosition expected = world_.state()->log_position;
+    const AppendResult result = log_.append(expected, batch);
     if (node_ != 0 && std::holds_alternative<Conflict>(result)) return false;
-    TROCHOID_ASSERT(std::holds_alternative<Appended>(result), "event {} of node {} met outcome {} of the log",
-                    batch.front().id, node_, result.index());
+    const auto* appended = std::get_if<Appended>(&result);
+    TROCHOID_ASSERT(appended != nullptr, "event {} of node {} met outcome {} of the log", batch.front().id,
+                    node_, result.index());
+    // Another place: the log has held an event of this number before, and not taken this one.
+    TROCHOID_ASSERT(appended->position == expected,
+                    "event {} of node {} is at position {} of the log, not {}", batch.front().id, node_,
+                    appended->position.value, expected.value);
     for (size_t i = 0; i < planned.size(); ++i) {
         if (const auto* clock = std::get_if<ClockChanged>(&planned[i].event.what))
             clock_changes(clock->clock);
         world_.apply(planned[i].event, batch[i].bytes, std::move(planned[i].derived));
     }
+    TROCHOID_ASSERT(appended->log_hash == world_.state()->log_hash,
+                    "the log's hash at position {} is not the world's", world_.state()->log_position.value);
     return true;
 }
 

@@ -102,6 +102,8 @@ private:
     void answer(const WaitingCommand& waiting, CommandReply reply);
 
     // sea_authority_nodes.cpp: what other nodes write, and what was published before.
+    void learn_from_log();
+    void count_own(uint64_t event_id);
     bool take_in();
     void fold_foreign(const StoredEvent& stored);
     void clock_changes(const SeaClock& next);

@@ -6,17 +6,22 @@
 #include <utility>
 
 #include "protocol/units/assert.hpp"
-#include "server/app/field_layers.hpp"
 #include "server/app/sea_authority.hpp"
+#include "server/land/land_trace.hpp"
 #include "server/world/effective_time.hpp"
 
 namespace trochoid {
 
 namespace {
 
-// While a box was traced another may have begun or ended, which changes its choppiness and with it the land: a second trace is
-// nearly always enough.
+// While a box was traced another node may have changed the land: a second trace is nearly always enough. Land that is not that of the
+// event may never be used: whoever reads the event traces it for himself.
 constexpr int most_traces = 3;
+Error land_never_rests() {
+    return {ErrorCode::queue_overflow,
+            fmt::format("busy: the land has changed {} times while this wind's was traced; try again later",
+                        most_traces)};
+}
 
 // How long a change of the land may have to wait for those before it, sea time. Winds cannot be stopped before the changes that they
 // are to outlive, so these must not pile up.
@@ -73,13 +78,16 @@ void SeaAuthority::trace_then_start(const BoxStarted& planned, const StartWind& 
                       const Result<SeaTime> effective = stamp(waiting.command);
                       Result<BoxStarted> planned_now =
                           effective ? world_.plan(wind, *effective) : Result<BoxStarted>(effective.error());
-                      if (planned_now && worker_.key_of(planned_now->box) != traced && attempt < most_traces)
+                      const bool in_vain = planned_now && worker_.key_of(planned_now->box) != traced;
+                      if (in_vain && attempt < most_traces)
                           return trace_then_start(*planned_now, wind, std::move(waiting), attempt + 1);
                       tracing_ = false;
-                      if (planned_now)
-                          start_traced(*planned_now, std::move(waiting), std::move(land), std::move(indexed));
-                      else
+                      if (!planned_now)
                           answer(waiting, refused(waiting.command, planned_now.error()));
+                      else if (in_vain)
+                          answer(waiting, refused(waiting.command, land_never_rests()));
+                      else
+                          start_traced(*planned_now, std::move(waiting), std::move(land), std::move(indexed));
                       go_on();
                   });
 }
@@ -103,7 +111,8 @@ void SeaAuthority::start_traced(const BoxStarted& planned, WaitingCommand waitin
         commit(waiting.command, single({0, effective, std::move(fitted)}, std::move(derived)), id);
     if (reply) return answer(waiting, *reply);
     indexed_ = {};
-    begin(StartWind(std::get<StartWind>(waiting.command.action)), std::move(waiting));
+    const StartWind wind = std::get<StartWind>(waiting.command.action);
+    begin(wind, std::move(waiting));
 }
 
 // While the last change of the land is still cross-fading the next one waits.
@@ -128,6 +137,7 @@ Result<SeaTime> SeaAuthority::stamp_land(const Command& command) {
 void SeaAuthority::begin_land_change(WaitingCommand first) {
     const Result<SeaTime> expected = stamp_land(first.command);
     if (!expected) return answer(first, refused(first.command, expected.error()));
+    first.begun = true;
     Together changes;
     changes.push_back(std::move(first));
     const auto joins = [&](const Command& next) {
@@ -139,6 +149,7 @@ void SeaAuthority::begin_land_change(WaitingCommand first) {
     while (!alone && changes.size() <= most_joined_changes && !queue_.empty() &&
            joins(queue_.front()->command)) {
         WaitingCommand joining = queue_.pop();
+        joining.begun = true;
         if (const auto time = stamp_land(joining.command); time)
             changes.push_back(std::move(joining));
         else
@@ -162,21 +173,14 @@ void SeaAuthority::trace_changes(Together changes, SeaTime expected,
     });
 }
 
+// One that is refused after others of its batch is answered only when these have come to be: without them it might have been possible.
 void SeaAuthority::changes_traced(Together changes, const LandAnswer& traced) {
-    Together left;
-    for (size_t i = 0; i < changes.size(); ++i) {
-        const std::optional<Error>& error = traced.refused[i];
-        if (error)
-            answer(changes[i], refused(changes[i].command, *error));
-        else
-            left.push_back(std::move(changes[i]));
-    }
-    if (left.empty()) {
-        tracing_ = false;
-        return go_on();
-    }
-    if (traced.error) return one_by_one(std::move(left), too_much_land(world_.room_for_land(now())));
-    change_land_with(traced.changed, std::move(left));
+    if (traced.changed) return change_land_with(traced.changed, std::move(changes));
+    if (traced.error) return one_by_one(std::move(changes), too_much_land(world_.room_for_land(now())));
+    tracing_ = false;
+    for (size_t i = 0; i < changes.size(); ++i)
+        answer(changes[i], refused(changes[i].command, traced.refused[i].value()));
+    go_on();
 }
 
 // What cannot be all at once may be one after the other: the first is tried alone. One that is alone is refused.
@@ -192,37 +196,47 @@ void SeaAuthority::one_by_one(Together changes, const Error& error) {
     go_on();
 }
 
-// Only now are the commands stamped, for the same time all of them.
+// Only now are the commands stamped, for the same time all of them. Where one has come too late, the others begin anew without it.
 void SeaAuthority::change_land_with(const std::shared_ptr<const ChangedLand>& changed, Together changes) {
     SeaTime effective{-sea_time_bound};
-    const size_t traced = changes.size();
-    std::erase_if(changes, [&](const WaitingCommand& waiting) {
-        const Result<SeaTime> time = stamp_land(waiting.command);
-        if (time)
+    std::vector<ChangeLand> wanted;
+    Together in_time;
+    for (size_t i = 0; i < changes.size(); ++i) {
+        if (!changed->refused[i]) {
+            const Result<SeaTime> time = stamp_land(changes[i].command);
+            if (!time) {
+                answer(changes[i], refused(changes[i].command, time.error()));
+                continue;
+            }
             effective = std::max(effective, *time);
-        else
-            answer(waiting, refused(waiting.command, time.error()));
-        return !time;
-    });
-    if (changes.empty()) {
+            wanted.push_back(change_of(changes[i]));
+        }
+        in_time.push_back(std::move(changes[i]));
+    }
+    if (in_time.size() != changes.size()) {
+        while (!in_time.empty()) {
+            queue_.put_back(std::move(in_time.back()));
+            in_time.pop_back();
+        }
         tracing_ = false;
         return go_on();
     }
-    if (changes.size() != traced) return trace_changes(std::move(changes), effective, nullptr);
     // A box may have begun its decay meanwhile, or a new one begun beside the land: then the fields' numbers are others.
     if (!worker_.still_holds(changed->outcome, *state_, world_.on_land_at(effective)))
-        return trace_changes(std::move(changes), effective, changed);
-    std::vector<ChangeLand> also;
-    for (size_t i = 1; i < changes.size(); ++i) also.push_back(change_of(changes[i]));
-    Result<LandChanged> planned =
-        world_.plan(change_of(changes.front()), effective, changed->outcome.touched, std::move(also));
-    if (!planned) return one_by_one(std::move(changes), planned.error());
-    const Attempt reply = commit(changes.front().command,
+        return trace_changes(std::move(in_time), effective, changed);
+    const ChangeLand first = wanted.front();
+    wanted.erase(wanted.begin());
+    Result<LandChanged> planned = world_.plan(first, effective, changed->outcome.touched, std::move(wanted));
+    if (!planned) return one_by_one(std::move(in_time), planned.error());
+    const Attempt reply = commit(in_time.front().command,
                                  single({0, effective, std::move(*planned)}, derived_from(changed->outcome)),
                                  {}, changed.get());
-    if (!reply) return trace_changes(std::move(changes), effective, changed);
+    if (!reply) return trace_changes(std::move(in_time), effective, changed);
     tracing_ = false;
-    for (const WaitingCommand& waiting : changes) answer(waiting, *reply);
+    for (size_t i = 0; i < in_time.size(); ++i) {
+        const std::optional<Error>& error = changed->refused[i];
+        answer(in_time[i], error ? refused(in_time[i].command, *error) : *reply);
+    }
     go_on();
 }
 

@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "protocol/codec/codec.hpp"
+#include "protocol/model/terrain_file.hpp"
 #include "protocol/units/assert.hpp"
 #include "server/app/sea_authority.hpp"
 #include "server/net/monotonic.hpp"
@@ -18,6 +19,38 @@ constexpr int64_t past_kept_us = 600 * microseconds_per_second;
 constexpr size_t events_a_read = 64;
 
 }  // namespace
+
+// Of a world that was replayed: its land as it is now, the numbers that this node has given its events in earlier lives, and what this
+// node and others may have promised before the clock changed.
+void SeaAuthority::learn_from_log() {
+    if (state_->terrain && state_->log_position > LogPosition{})
+        worker_.take_terrain(state_->terrain, terrain_hash(*state_->terrain));
+    SeaClock old;
+    old.rate_q16 = largest_rate_q16;  // the log does not tell the first: none is faster
+    LogPosition at;
+    while (at < state_->log_position) {
+        const auto events = log_.read(at, std::min(events_a_read, state_->log_position.value - at.value));
+        TROCHOID_ASSERT(!events.empty(), "the world is at position {} of a log that ends at {}",
+                        state_->log_position.value, at.value);
+        for (const StoredEvent& stored : events) {
+            count_own(stored.event_id);
+            const auto event = decode_event(stored.bytes);
+            TROCHOID_ASSERT(event.has_value(), "event {} of the log: {}", stored.position.value,
+                            event.error().message);
+            const auto* changed = std::get_if<ClockChanged>(&event->what);
+            if (changed == nullptr) continue;
+            // Sea time goes on where the new rate begins, or later.
+            floor_ = std::max(floor_, changed->clock.start + lead_in_sea_time(old, lead_ms_));
+            old = changed->clock;
+        }
+        at.value += events.size();
+    }
+}
+
+void SeaAuthority::count_own(uint64_t event_id) {
+    if (event_id >> event_number_bits != node_) return;
+    next_event_ = std::max(next_event_, (event_id & ((uint64_t{1} << event_number_bits) - 1)) + 1);
+}
 
 // A node promises as much as it knows to be complete: all that others append after this node's last look at the log is stamped a lead
 // after that look, or later.
@@ -75,8 +108,7 @@ void SeaAuthority::fold_foreign(const StoredEvent& stored) {
     const auto event = decode_event(stored.bytes);
     TROCHOID_ASSERT(event.has_value(), "event {} of the log: {}", stored.position.value,
                     event.error().message);
-    if (event->event_id >> event_number_bits == node_)
-        next_event_ = std::max(next_event_, (event->event_id & ((uint64_t{1} << event_number_bits) - 1)) + 1);
+    count_own(stored.event_id);
     Derived derived;
     if (const auto* started = std::get_if<BoxStarted>(&event->what)) {
         // No land acts on wakes, nor on ships that lie still.

@@ -14,8 +14,8 @@
 
 namespace trochoid {
 
-SeaService::SeaService(SeaAuthority& authority, WorldInstance instance, TokenDoor& door)
-    : authority_(authority), instance_(instance), door_(door) {}
+SeaService::SeaService(SeaAuthority& authority, WorldInstance instance, TokenDoor& door, ResultWorker* aside)
+    : authority_(authority), instance_(instance), door_(door), aside_(aside) {}
 
 HelloFacts SeaService::hello_facts() const {
     const WorldState& world = *authority_.state();
@@ -48,25 +48,69 @@ int64_t SeaService::refresh_at_us(const CullKey& key) const {
            std::max<int64_t>(sea_us, 0) / std::max<int64_t>(clock.rate_q16, 1) * (int64_t{1} << 16) + 1000;
 }
 
-std::optional<MadeResult> SeaService::make_result(const ResultRequest& request) {
-    const InterestIndex& index = *authority_.index();
+namespace {
+
+// What a result is made from, wherever that happens: nothing of it changes.
+struct ResultTask {
+    std::shared_ptr<const InterestIndex> index;
+    ViewState view;
+    std::vector<SyncRegion> regions;
+    std::optional<CullKey> previous;
+    SeaTime now;
+    SeaTime watermark;
+    Motion motion;
+};
+
+std::optional<MadeResult> result_of(const ResultTask& task) {
+    const CullKey* previous = task.previous ? &*task.previous : nullptr;
+    CullKey key = choose_key(*task.index, task.view, task.regions, previous, task.now, span_default_us,
+                             Limits{}.patches, task.motion);
+    if (previous != nullptr && *previous == key) return std::nullopt;
+    MadeResult made;
+    made.state = std::make_shared<const InterestState>(cull(*task.index, key).state);
+    made.key = std::move(key);
+    made.watermark = task.watermark;
+    return made;
+}
+
+ResultTask task_of(SeaAuthority& authority, const ResultRequest& request) {
     // A view may be as old as the interval at which sessions consider them when it is taken up.
     constexpr double view_interval_s = 0.1;
     const Motion motion{static_cast<double>(request.round_trip_us) * 1e-6 + view_interval_s, request.turn};
-    CullKey key = choose_key(index, request.view, request.regions, request.previous, authority_.now(),
-                             span_default_us, Limits{}.patches, motion);
-    if (request.previous != nullptr && *request.previous == key) return std::nullopt;
-    MadeResult made;
-    made.state = std::make_shared<const InterestState>(cull(index, key).state);
-    made.key = std::move(key);
-    made.watermark = authority_.watermark();
-    made.refresh_at_us = refresh_at_us(made.key);
+    const auto previous =
+        request.previous != nullptr ? std::optional<CullKey>(*request.previous) : std::nullopt;
+    return {authority.index(), request.view,          request.regions, previous,
+            authority.now(),   authority.watermark(), motion};
+}
+
+}  // namespace
+
+std::optional<MadeResult> SeaService::make_result(const ResultRequest& request) {
+    std::optional<MadeResult> made = result_of(task_of(authority_, request));
+    if (made) made->refresh_at_us = refresh_at_us(made->key);
     return made;
+}
+
+void SeaService::make_result_aside(const ResultRequest& request,
+                                   const std::function<void(std::optional<MadeResult>)>& done) {
+    if (aside_ == nullptr) return done(make_result(request));
+    // Shared: a std::function is copied, and what the task holds may be the last of an old world.
+    auto task = std::make_shared<const ResultTask>(task_of(authority_, request));
+    aside_->ask([this, task = std::move(task), done] {
+        auto made = std::make_shared<std::optional<MadeResult>>(result_of(*task));
+        return [this, made = std::move(made), done] {
+            if (*made) (*made)->refresh_at_us = refresh_at_us((*made)->key);
+            done(std::move(*made));
+        };
+    });
 }
 
 // Cheap checks first; what is left costs one cull, of no more patches than any view may ask for.
 ResumeVerdict SeaService::judge(const ResumeState& claim, MadeResult& held) const {
     if (claim.instance != instance_) return ResumeVerdict::other_instance;
+    // From another node, which has read more of the log: what is there is read now, not at the next look.
+    const LogPosition told = std::max(claim.log_position, claim.key.log_position);
+    if (told > authority_.state()->log_position) authority_.follow();
     const auto log_hash = authority_.log_hash_at(claim.log_position);
     if (!log_hash) return ResumeVerdict::unknown_position;
     if (*log_hash != claim.log_hash) return ResumeVerdict::other_history;

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "server/app/result_worker.hpp"
 #include "server/app/sea_authority.hpp"
 #include "server/app/token_door.hpp"
 #include "server/net/probe_answer.hpp"
@@ -14,7 +15,9 @@ namespace trochoid {
 /// What sessions ask of the sea, answered from the authority's published state. On the io thread.
 class SeaService final : public SeaProvider {
 public:
-    SeaService(SeaAuthority& authority, WorldInstance instance, TokenDoor& door);
+    /// `aside`: where results that hold up nobody are computed, outlived by this object; nullptr: at once, on the io thread.
+    SeaService(SeaAuthority& authority, WorldInstance instance, TokenDoor& door,
+               ResultWorker* aside = nullptr);
 
     HelloFacts hello_facts() const override;
     ClockFacts clock_facts() const override;
@@ -25,6 +28,8 @@ public:
         return door_.new_ticket(session, role, instance_);
     }
     std::optional<MadeResult> make_result(const ResultRequest& request) override;
+    void make_result_aside(const ResultRequest& request,
+                           const std::function<void(std::optional<MadeResult>)>& done) override;
     Resumption resume(const ResumeState& claim) override;
     ProbeReply probe(const InterestState& state, const Probe& probe) const override {
         return answer_probe(state, probe);
@@ -52,6 +57,7 @@ private:
     SeaAuthority& authority_;
     WorldInstance instance_;
     TokenDoor& door_;
+    ResultWorker* aside_;
 };
 
 }  // namespace trochoid

@@ -18,6 +18,7 @@
 #include "protocol/units/version.hpp"
 #include "server/app/land_worker.hpp"
 #include "server/app/opening.hpp"
+#include "server/app/result_worker.hpp"
 #include "server/app/sea_authority.hpp"
 #include "server/app/sea_service.hpp"
 #include "server/app/token_door.hpp"
@@ -167,9 +168,10 @@ void run_server(const ServerConfig& config) {
     World world(scene.name, terrain, opening_clock(scene, config.paused), land_blocks_of(config));
     InMemoryEventLog log;
     SeaAuthority authority(loop, world, log, worker, config.lead_ms);
-    SeaService sea(authority, random_instance(), door);
+    ResultWorker aside(loop);
+    SeaService sea(authority, random_instance(), door, &aside);
 
-    SessionServer sessions(loop, sea, limits_of(config));
+    SessionServer sessions(loop, sea, limits_of(config), config.door.logins_per_address);
     const auto identity = identity_of(config.door);
     FrontDoor front(loop, sessions, limits_of(config), policy_of(config.door, config.bind), identity.get(),
                     scene.name);

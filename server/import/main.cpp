@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <cmath>
 #include <cstdio>
+#include <functional>
 #include <limits>
 #include <map>
 
@@ -11,6 +12,7 @@
 #include "protocol/units/operator_error.hpp"
 #include "protocol/units/version.hpp"
 #include "server/import/coast_import.hpp"
+#include "server/import/in_child.hpp"
 #include "server/import/raster_import.hpp"
 #include "server/import/terrain_path.hpp"
 #include "server/import/terrain_picture.hpp"
@@ -149,6 +151,20 @@ void run_coast(Options& options) {
     finish_import(options, import_coast(options.input, options.coast));
 }
 
+/// What went wrong is said on stderr: 0 or 2.
+int guarded(const std::function<void()>& work) {
+    try {
+        work();
+        return 0;
+    } catch (const OperatorError& error) {
+        fmt::print(stderr, "trochoid-import: {}\n", error.what());
+    } catch (const std::bad_alloc&) {
+        fmt::print(stderr,
+                   "trochoid-import: not enough memory: give a smaller --extent or a coarser --spacing\n");
+    }
+    return 2;
+}
+
 int run(int argc, char** argv) {
     CLI::App app("Makes terrain for trochoid-server from real data");
     app.set_version_flag("--version", version_text("trochoid-import"));
@@ -171,7 +187,8 @@ int run(int argc, char** argv) {
     } catch (const CLI::ParseError& error) {
         return app.exit(error) == 0 ? 0 : 2;
     }
-    if (raster->parsed()) run_raster(options);
+    if (raster->parsed())
+        return in_child(options.input, [&] { return guarded([&] { run_raster(options); }); });
     if (coast->parsed()) run_coast(options);
     if (info->parsed()) {
         const TerrainGrid grid = read_terrain(options.input);
@@ -187,13 +204,7 @@ int run(int argc, char** argv) {
 }  // namespace
 
 int main(int argc, char** argv) {
-    try {
-        return run(argc, argv);
-    } catch (const trochoid::OperatorError& error) {
-        fmt::print(stderr, "trochoid-import: {}\n", error.what());
-    } catch (const std::bad_alloc&) {
-        fmt::print(stderr,
-                   "trochoid-import: not enough memory: give a smaller --extent or a coarser --spacing\n");
-    }
-    return 2;
+    int code = 2;
+    const int failure = guarded([&] { code = run(argc, argv); });
+    return failure != 0 ? failure : code;
 }

@@ -10,6 +10,7 @@
 #include <limits>
 
 #include "server/import/map_projection.hpp"
+#include "server/import/netcdf_header.hpp"
 
 namespace trochoid {
 namespace {
@@ -53,6 +54,7 @@ bool is_height_type(nc_type type) {
 class Dataset {
 public:
     explicit Dataset(const std::filesystem::path& path) : path_(path) {
+        check_netcdf_header(path);
         const int status = nc_open(path.c_str(), NC_NOWRITE, &id_);
         if (status != NC_NOERR)
             refuse_raster(path, fmt::format("netCDF cannot open it ({}): fetch it again, or convert it with "
@@ -121,61 +123,6 @@ private:
     std::filesystem::path path_;
     int id_ = -1;
 };
-
-constexpr uint64_t padded(uint64_t bytes) { return (bytes + 3) / 4 * 4; }
-
-uint64_t attribute_bytes(const Dataset& file, int variable, int count) {
-    uint64_t bytes = 8;
-    for (int i = 0; i < count; ++i) {
-        std::array<char, NC_MAX_NAME + 1> name{};
-        nc_type type = NC_NAT;
-        std::size_t length = 0, size = 0;
-        file.check(nc_inq_attname(file.id(), variable, i, name.data()));
-        file.check(nc_inq_att(file.id(), variable, name.data(), &type, &length));
-        file.check(nc_inq_type(file.id(), type, nullptr, &size));
-        bytes += 12 + padded(std::string_view(name.data()).size()) + padded(length * size);
-    }
-    return bytes;
-}
-
-/// Bytes of a classic file without gaps (netCDF classic format specification): header and every variable's values.
-uint64_t classic_bytes(const Dataset& file, bool wide_offsets) {
-    int dimensions = 0, variables = 0, attributes = 0;
-    file.check(nc_inq(file.id(), &dimensions, &variables, &attributes, nullptr));
-    uint64_t bytes = 24 + attribute_bytes(file, NC_GLOBAL, attributes);
-    for (int i = 0; i < dimensions; ++i) {
-        std::array<char, NC_MAX_NAME + 1> name{};
-        file.check(nc_inq_dimname(file.id(), i, name.data()));
-        bytes += 8 + padded(std::string_view(name.data()).size());
-    }
-    for (int i = 0; i < variables; ++i) {
-        int count = 0;
-        nc_type type = NC_NAT;
-        std::size_t size = 0;
-        file.check(nc_inq_varnatts(file.id(), i, &count));
-        file.check(nc_inq_vartype(file.id(), i, &type));
-        file.check(nc_inq_type(file.id(), type, nullptr, &size));
-        const std::vector<int> shape = file.dimensions_of(i);
-        uint64_t values = 1;
-        for (const int dimension : shape) values *= file.length_of(dimension);
-        bytes += 4 + padded(file.variable_name(i).size()) + 4 + 4 * shape.size() +
-                 attribute_bytes(file, i, count) + 8 + (wide_offsets ? 8U : 4U) + padded(values * size);
-    }
-    return bytes;
-}
-
-/// The library reads zeros, sea level, where a classic file has been cut short.
-void check_whole(const Dataset& file) {
-    int format = 0;
-    file.check(nc_inq_format(file.id(), &format));
-    if (format != NC_FORMAT_CLASSIC && format != NC_FORMAT_64BIT_OFFSET) return;
-    const uint64_t needed = classic_bytes(file, format == NC_FORMAT_64BIT_OFFSET);
-    const uint64_t size = std::filesystem::file_size(file.path());
-    // The padding after the last value may be missing.
-    if (size + 3 < needed)
-        refuse_raster(file.path(),
-                      fmt::format("the file is cut short ({} bytes of {}): fetch it again", size, needed));
-}
 
 /// Evenly spaced coordinates: value of the first, and the step.
 struct Axis {
@@ -360,7 +307,6 @@ float NetcdfFile::Handle::height_of(double raw, std::optional<double> nodata) co
 NetcdfFile::NetcdfFile(const std::filesystem::path& path, const std::string& variable)
     : handle_(std::make_unique<Handle>(path)) {
     Handle& h = *handle_;
-    check_whole(h.file);
     h.variable = height_variable(h.file, variable);
     h.read_marks();
     check_units(h.file, h.variable);

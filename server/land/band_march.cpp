@@ -229,8 +229,7 @@ void set_frame(BandGrid& grid, const LandArea& area, const WaveBand& band, const
     grid.rows = ceiling((along.most - along.least) / grid.row_step) + 1;
     grid.columns = ceiling(across.most - across.least) + 1;
     grid.first_row = 0;
-    grid.shift.clear();
-    grid.shelter.clear();
+    grid.held = false;
     grid.tile_hashes.clear();
     grid.cut_slopes = 0;
     grid.rows_marched = 0;
@@ -251,6 +250,8 @@ void march_band(BandGrid& grid, const LandArea& area, const NodePlanes& planes, 
     if (!checkpoints.empty()) shelter.load(phase.load(checkpoints.back().state.data()));
     RowSampler sampler(area, planes, grid, static_cast<float>(open));
 
+    // Every row is put below: what an earlier band left there need not be cleared.
+    grid.held = true;
     grid.shift.resize(static_cast<size_t>(grid.rows - grid.first_row) * columns);
     grid.shelter.resize(grid.shift.size());
     grid.marks.reset(grid.columns, grid.rows - grid.first_row);

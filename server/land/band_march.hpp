@@ -28,7 +28,9 @@ struct BandGrid {
     double dz = 0.0;
     /// First row held: of a whole march the last that land or a shallow does not change; all before read shift 0 and shelter 1.
     int32_t first_row = 0;
-    /// From first_row on, row-major, per point: phase shift in turns. Empty: nothing is changed anywhere.
+    /// Whether rows are held; else nothing is changed anywhere, and shift and shelter mean nothing.
+    bool held = false;
+    /// From first_row on, row-major, per point: phase shift in turns.
     std::vector<float> shift;
     /// Alike: the share of the open sea's height that reaches the point before it grows over the bottom: 1 in open water, 0 on land.
     std::vector<float> shelter;

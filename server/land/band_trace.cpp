@@ -243,7 +243,7 @@ BandOutcome trace_band(const TraceInput& in, size_t index, TraceWorkspace& work,
         work.grid.tile_hashes.assign(restart->tile_hashes.begin(), restart->tile_hashes.end());
     }
     march_band(work.grid, area, work.planes, view.band, response, in.settings, out.memory->checkpoints);
-    if (work.grid.shift.empty()) return out;
+    if (!work.grid.held) return out;
     RestartBlocks blocks;
     if (restart != nullptr) blocks = restart_blocks(view, work.grid, *restart);
     work.live.assign(static_cast<size_t>(area.blocks_x) * static_cast<size_t>(area.blocks_z), 0);

@@ -47,6 +47,12 @@ DepthTable::DepthTable(const DepthResponse& response)
     };
     uint32_t unbroken = cells;
     while (unbroken > 0 && !breaks(rows_[unbroken - 1])) --unbroken;
+    // One cell more: that of the limit itself.
+    for (uint32_t cell = 0; cell < std::min(unbroken + 1, cells); ++cell) {
+        const Row& row = rows_[cell];
+        breaking_gains_.insert(breaking_gains_.end(), {row.value[2], row.step[2]});
+        shares_.insert(shares_.end(), {row.value[3], row.step[3]});
+    }
     breaking_ = std::min(std::bit_cast<float>(first_bits + (unbroken << low_bits)), untouched_);
 }
 
@@ -106,6 +112,10 @@ TROCHOID_WIDE_ROWS void look_up_part(const CellTable& table, const float* __rest
     }
 }
 
+TROCHOID_WIDE_ROWS void clear_land(const float* __restrict depths, size_t count, float* __restrict out) {
+    for (size_t i = 0; i < count; ++i) out[i] = depths[i] > 0.0F ? out[i] : 0.0F;
+}
+
 void look_up(const CellTable& table, const float* depths, size_t count, float factor, float* out) {
     Places places;
     for (size_t i = 0; i < count; i += looked_up_together)
@@ -120,6 +130,16 @@ void DepthTable::wave_numbers(const float* depths, size_t count, float open, flo
 
 void DepthTable::growths(const float* depths, size_t count, float* out) const {
     look_up({growths_.data(), first_bits, untouched_, 1.0F}, depths, count, 1.0F, out);
+}
+
+void DepthTable::breaking_gains(const float* depths, size_t count, float beyond, float* out) const {
+    look_up({breaking_gains_.data(), first_bits, breaking_, beyond}, depths, count, 1.0F, out);
+    clear_land(depths, count, out);
+}
+
+void DepthTable::shares(const float* depths, size_t count, float* out) const {
+    look_up({shares_.data(), first_bits, breaking_, 1.0F}, depths, count, 1.0F, out);
+    clear_land(depths, count, out);
 }
 
 }  // namespace trochoid

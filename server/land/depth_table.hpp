@@ -35,6 +35,10 @@ public:
     void wave_numbers(const float* depths, size_t count, float open, float* out) const;
     /// out[i] = growth, exactly 1 from `untouched` on, on land the shore line's.
     void growths(const float* depths, size_t count, float* out) const;
+    /// out[i] = largest gain before breaking, 0 on land, `beyond` from `breaking` on; what `at` gives, but for many.
+    void breaking_gains(const float* depths, size_t count, float beyond, float* out) const;
+    /// out[i] = largest share that passes, likewise, exactly 1 from `breaking` on.
+    void shares(const float* depths, size_t count, float* out) const;
 
 private:
     static constexpr uint32_t low_bits = 16;
@@ -54,6 +58,8 @@ private:
     /// One column of the rows each, value and step in turn, so that little memory is touched.
     std::vector<float> wave_numbers_;
     std::vector<float> growths_;
+    std::vector<float> breaking_gains_;
+    std::vector<float> shares_;
 };
 
 }  // namespace trochoid

@@ -41,7 +41,7 @@ TracedLand LandCache::trace(const WaveTrainBox& box, const TerrainGrid& terrain,
     if (known != entries_.end()) {
         ++hits_;
         entries_.splice(entries_.begin(), entries_, known);
-        return renumbered(known->land, first_field);
+        return with_first_field(known->land, first_field);
     }
     ++misses_;
     TracedLand land = trace_land(box, terrain, first_field, settings);

@@ -71,14 +71,15 @@ void add(LandTraceStats& sum, const LandTraceStats& band) {
 }
 
 void take_blocks(BandResult& result, const TraceInput& in, const BandView& view, const TraceWorkspace& work) {
+    // One for all: new memory is then written once.
+    LandBlock taken;
     for (int32_t bz = 0; bz < in.area.blocks_z; ++bz) {
         for (int32_t bx = 0; bx < in.area.blocks_x; ++bx) {
             if (work.live[block_index(view, bx, bz)] == 0 || block_of_is_open(view, work.field, bx, bz))
                 continue;
-            auto block = std::make_shared<LandBlock>();
-            copy_block_of(*block, in, view, work.field, bx, bz);
-            result.gain_max = std::max(result.gain_max, largest_gain(*block));
-            result.blocks.push_back(std::move(block));
+            copy_block_of(taken, in, view, work.field, bx, bz);
+            result.gain_max = std::max(result.gain_max, largest_gain(taken));
+            result.blocks.push_back(std::make_shared<const LandBlock>(taken));
         }
     }
 }
@@ -176,22 +177,26 @@ TracedLand trace_land(const WaveTrainBox& box, const TerrainGrid& terrain, Field
     return land;
 }
 
-TracedLand renumbered(const TracedLand& land, FieldId first_field) {
-    TROCHOID_ASSERT(land.overlays.empty(), "{} overlays: only whole traces are renumbered",
-                    land.overlays.size());
+TracedLand with_first_field(const TracedLand& land, FieldId first_field) {
+    if (land.fields.empty() || land.fields.front()->id() == first_field) return land;
+    const uint32_t old_first = land.fields.front()->id().value;
+    const auto renamed = [&](FieldId id) {
+        return id.value < old_first ? id : FieldId{first_field.value + (id.value - old_first)};
+    };
     TracedLand out = land;
-    const uint32_t old_first = land.fields.empty() ? 0 : land.fields.front()->id().value;
-    for (size_t i = 0; i < land.fields.size(); ++i)
-        out.fields[i] = make_land_field({first_field.value + static_cast<uint32_t>(i)},
-                                        land.fields[i]->step_log2(), land.fields[i]->blocks());
+    for (auto& field : out.fields) {
+        const auto same = make_land_field(renamed(field->id()), field->step_log2(), field->blocks());
+        same->set_base(field->base());
+        field = same;
+    }
+    for (FieldOverlay& overlay : out.overlays) overlay.field = renamed(overlay.field);
+    for (FieldId& id : out.field_of_train) id = renamed(id);
     if (land.memory) {
         auto memory = std::make_shared<LandMemory>(*land.memory);
         for (auto& field : memory->fields)
-            if (field) field = out.fields[field->id().value - old_first];
+            if (field && field->id().value >= old_first) field = out.fields[field->id().value - old_first];
         out.memory = std::move(memory);
     }
-    for (FieldId& id : out.field_of_train)
-        if (id.value != 0) id.value = first_field.value + (id.value - old_first);
     return out;
 }
 

@@ -50,8 +50,9 @@ const WaveBand& dominant_band(const std::vector<WaveBand>& bands);
 std::shared_ptr<LandField> make_land_field(FieldId id, uint8_t step_log2,
                                            std::span<const std::shared_ptr<const LandBlock>> blocks);
 
-/// The same land with ids from another first_field; blocks are shared, not copied.
-TracedLand renumbered(const TracedLand& land, FieldId first_field);
+/// The same land with ids that follow on from another first field; blocks are shared, not copied. Fields below, of a predecessor, keep
+/// theirs.
+TracedLand with_first_field(const TracedLand& land, FieldId first_field);
 
 /// 64-bit FNV-1a over every field's blocks, overlays, the trains' fields, gain_max, steepness growths and the rays: the same on every
 /// machine.

@@ -1,6 +1,7 @@
 #include "server/land/node_field.hpp"
 
 #include <algorithm>
+#include <limits>
 
 #include "protocol/model/arithmetic_rules.hpp"
 #include "server/land/plane_sampler.hpp"
@@ -60,6 +61,10 @@ TROCHOID_WIDE_ROWS void multiply(float* __restrict values, const float* __restri
     for (size_t i = 0; i < count; ++i) values[i] = by[i] * values[i];
 }
 
+TROCHOID_WIDE_ROWS void take_smaller(float* __restrict values, const float* __restrict most, size_t count) {
+    for (size_t i = 0; i < count; ++i) values[i] = most[i] < values[i] ? most[i] : values[i];
+}
+
 /// One row of nodes after the other, in passes of which most run in vector registers.
 class RowFiller {
 public:
@@ -78,7 +83,8 @@ public:
           shift_(static_cast<size_t>(area.nodes_x())),
           shelter_(shift_.size()),
           part_(shift_.size()),
-          gain_(shift_.size()) {
+          gain_(shift_.size()),
+          most_(shift_.size()) {
         for (int32_t x = 0; x < area.nodes_x(); ++x) {
             const double metres =
                 beyond(static_cast<double>(x) * area.step(), area.belt_min_x, area.belt_max_x);
@@ -207,11 +213,8 @@ private:
         table_.growths(depths, count, gain_.data() + from);
         multiply(gain_.data() + from, shelter_.data() + from, count);
         if ((marks & breaks) == 0) return;
-        for (size_t i = 0; i < count; ++i) {
-            if (depths[i] >= table_.breaking()) continue;
-            const float most = depths[i] > 0.0F ? table_.at(depths[i])[2] : 0.0F;
-            gain_[from + i] = std::min(gain_[from + i], most);
-        }
+        table_.breaking_gains(depths, count, std::numeric_limits<float>::infinity(), most_.data() + from);
+        take_smaller(gain_.data() + from, most_.data() + from, count);
     }
 
     void put(size_t start, IndexRange run) {
@@ -257,6 +260,7 @@ private:
     std::vector<float> shelter_;
     std::vector<float> part_;
     std::vector<float> gain_;
+    std::vector<float> most_;
     PlaneSampler sampler_;
     std::vector<Run> runs_;
 };

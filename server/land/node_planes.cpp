@@ -16,6 +16,11 @@ TROCHOID_WIDE_ROWS void limit_depths(const float* __restrict depths, size_t coun
     for (size_t x = 0; x < count; ++x) out[x] = std::min(std::max(depths[x], shallowest), deep);
 }
 
+TROCHOID_WIDE_ROWS void open_on_land(const float* __restrict depths, size_t count, float open,
+                                     float* __restrict wave_numbers) {
+    for (size_t x = 0; x < count; ++x) wave_numbers[x] = depths[x] > 0.0F ? wave_numbers[x] : open;
+}
+
 /// (1 2 1) / 4 along a row of at least two; the outermost repeat.
 TROCHOID_WIDE_ROWS void smooth_along(const float* __restrict row, size_t count, float* __restrict out) {
     out[0] = row[0] + 0.25F * (row[1] - row[0]);
@@ -103,14 +108,12 @@ private:
             table_.wave_numbers(phase_depths_.at(run.from, z), count, open_, wave_numbers);
         else
             std::fill_n(wave_numbers, count, open_);
-        if (with_limits) std::fill_n(limits, count, 1.0F);
-        if ((marks & NodePlanes::breaks) == 0) return;
-        for (size_t i = 0; i < count; ++i) {
-            const float depth = depths_[n + i];
-            if (depth >= table_.breaking()) continue;
-            limits[i] = depth > 0.0F ? table_.at(depth)[3] : 0.0F;
-            if (straight_ && depth <= 0.0F) wave_numbers[i] = open_;
+        if ((marks & NodePlanes::breaks) == 0) {
+            if (with_limits) std::fill_n(limits, count, 1.0F);
+            return;
         }
+        table_.shares(depths_.data() + n, count, limits);
+        if (straight_) open_on_land(depths_.data() + n, count, open_, wave_numbers);
     }
 
     NodePlanes& planes_;

@@ -65,6 +65,16 @@ TROCHOID_WIDE_ROWS void sample_points(const float* __restrict plane, size_t pitc
     for (; j < count; ++j) out[j] = value_at(plane + index[j], plane_south + index[j], fx[j], fz[j]);
 }
 
+/// 0 where the nearest of a point's four values is.
+TROCHOID_WIDE_ROWS void clear_nearest(const float* __restrict plane, int32_t pitch,
+                                      const int32_t* __restrict index, const float* __restrict fx,
+                                      const float* __restrict fz, size_t count, float* __restrict out) {
+    for (size_t j = 0; j < count; ++j) {
+        const int32_t at = index[j] + (fz[j] >= 0.5F ? pitch : 0) + (fx[j] >= 0.5F ? 1 : 0);
+        out[j] = plane[at] == 0.0F ? 0.0F : out[j];
+    }
+}
+
 }  // namespace
 
 void PlaneSampler::place(const ObliqueRow& row, IndexRange inside, size_t pitch) {
@@ -87,10 +97,9 @@ void PlaneSampler::sample(const float* plane, IndexRange range, float* out) cons
 
 void PlaneSampler::sample_solid(const float* plane, IndexRange range, float* out) const {
     sample(plane, range, out);
-    for (auto j = static_cast<size_t>(range.from); j < static_cast<size_t>(range.to); ++j) {
-        const float* const near = plane + index_[j] + (fz_[j] >= 0.5F ? pitch_ : 0);
-        out[j] = near[fx_[j] >= 0.5F ? 1 : 0] == 0.0F ? 0.0F : out[j];
-    }
+    const auto from = static_cast<size_t>(range.from);
+    clear_nearest(plane, static_cast<int32_t>(pitch_), index_.data() + from, fx_.data() + from,
+                  fz_.data() + from, static_cast<size_t>(range.to - range.from), out + from);
 }
 
 }  // namespace trochoid

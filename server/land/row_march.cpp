@@ -89,9 +89,7 @@ void PhaseMarch::advance(const MarchRow& wave_numbers) {
         case Refraction::phase_shift:
             for (size_t j = 0; j < n; ++j) s[j] = phase_shift_turns_ * (k[j] / open_ - 1.0F);
             break;
-        case Refraction::straight:
-            for (size_t j = 0; j < n; ++j) s[j] = s[j] + row_step_ * ((before_[j] + k[j]) * 0.5F - open_);
-            break;
+        case Refraction::straight: straight_step(k); break;
         case Refraction::eikonal:
             for (size_t j = 0; j < n; ++j) middle_[j] = (before_[j] + k[j]) * 0.5F;
             for (int i = 0; i < eikonal_steps_; ++i)
@@ -102,6 +100,14 @@ void PhaseMarch::advance(const MarchRow& wave_numbers) {
     }
     for (int pass = 0; pass < limit_passes_; ++pass) limit_slopes();
     std::copy_n(k, n, before_.data());
+}
+
+TROCHOID_WIDE_ROWS void PhaseMarch::straight_step(const float* wave_numbers) {
+    const size_t n = shift_.size();
+    const float* __restrict const k = wave_numbers;
+    const float* __restrict const before = before_.data();
+    float* __restrict const s = shift_.data();
+    for (size_t j = 0; j < n; ++j) s[j] = s[j] + row_step_ * ((before[j] + k[j]) * 0.5F - open_);
 }
 
 /// Upwind (Godunov) differences, second order by ENO, of a Hamilton-Jacobi equation that is convex in the slope: the first arrival wins.
@@ -200,16 +206,19 @@ ShelterMarch::ShelterMarch(const LandSettings& settings, size_t columns, double 
 
 void ShelterMarch::advance(const MarchRow& limits) {
     switch (diffraction_) {
-        case Diffraction::none: {
-            const size_t n = shelter_.size();
-            for (size_t j = 0; j < n; ++j)
-                shelter_[j] = std::min(std::min(shelter_[j] + recovered_per_row_, 1.0F), limits[j]);
-            break;
-        }
+        case Diffraction::none: recover(limits); break;
         case Diffraction::wedge: advance_wedge(limits); break;
         case Diffraction::parabolic: advance_parabolic(limits); break;
     }
     copy_ends(shelter_);
+}
+
+TROCHOID_WIDE_ROWS void ShelterMarch::recover(const MarchRow& limits) {
+    const size_t n = shelter_.size();
+    const float* __restrict const most = limits.data();
+    float* __restrict const shelter = shelter_.data();
+    for (size_t j = 0; j < n; ++j)
+        shelter[j] = std::min(std::min(shelter[j] + recovered_per_row_, 1.0F), most[j]);
 }
 
 TROCHOID_WIDE_ROWS void ShelterMarch::step_direction(size_t direction, const MarchRow& limits) {

@@ -29,6 +29,7 @@ public:
     const float* load(const float* state);
 
 private:
+    TROCHOID_WIDE_ROWS void straight_step(const float* wave_numbers);
     TROCHOID_WIDE_ROWS void eikonal_step(float step);
     TROCHOID_WIDE_ROWS void spread_crests();
     TROCHOID_WIDE_ROWS void limit_slopes();
@@ -67,6 +68,7 @@ public:
 
 private:
     static constexpr size_t directions = 7;
+    TROCHOID_WIDE_ROWS void recover(const MarchRow& limits);
     TROCHOID_WIDE_ROWS void advance_wedge(const MarchRow& limits);
     TROCHOID_WIDE_ROWS void step_direction(size_t direction, const MarchRow& limits);
     TROCHOID_WIDE_ROWS void advance_parabolic(const MarchRow& limits);

@@ -6,7 +6,8 @@
 #include <algorithm>
 #include <utility>
 
-#include "protocol/units/assert.hpp"
+#include "protocol/units/hash.hpp"
+#include "protocol/wire/session_rules.hpp"
 #include "server/net/admitted_transport.hpp"
 #include "server/net/http_rules.hpp"
 #include "server/net/monotonic.hpp"
@@ -25,11 +26,16 @@ constexpr int reads_in_a_row = 4;
 // Bytes of a head taken at once.
 constexpr size_t head_step = 1024;
 
-// A TLS alert record: fatal, handshake_failure. Whoever comes with TLS understands that, and nothing else.
-constexpr std::array<uint8_t, 7> no_tls_here{0x15, 0x03, 0x03, 0x00, 0x02, 0x02, 0x28};
+// TLS alert records: fatal, handshake_failure and decode_error. Whoever comes with TLS understands those, and nothing else.
+constexpr std::string_view no_tls_here("\x15\x03\x03\x00\x02\x02\x28", 7);
+constexpr std::string_view no_tls_hello("\x15\x03\x03\x00\x02\x02\x32", 7);
 
 std::span<const uint8_t> bytes_of(std::string_view text) {
     return {reinterpret_cast<const uint8_t*>(text.data()), text.size()};
+}
+
+std::string text_of(std::span<const uint8_t> bytes) {
+    return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
 }
 
 }  // namespace
@@ -44,7 +50,8 @@ Guest::Guest(DoorSurroundings& around, uint64_t id, std::unique_ptr<Transport> t
       beyond_limit_(beyond_limit),
       started_us_(monotonic_us()),
       until_us_(started_us_ +
-                (beyond_limit ? beyond_limit_us : int64_t{around.limits.hello_deadline_ms} * 1000)) {}
+                (beyond_limit ? beyond_limit_us : int64_t{around.limits.hello_deadline_ms} * 1000)),
+      frames_(FrameReader::Opening::magic, around.limits.frame_before_login) {}
 
 void Guest::start() { arm_reading(); }
 
@@ -55,79 +62,124 @@ void Guest::arm_reading() {
 }
 
 void Guest::on_readable() {
-    for (int i = 0; i < reads_in_a_row && stage_ != Stage::gone; ++i) {
-        bool more = false;
+    bool more = true;
+    for (int i = 0; i < reads_in_a_row && more; ++i) {
+        more = false;
         switch (stage_) {
             case Stage::first_bytes: more = take_first_bytes(); break;
+            case Stage::tls_hello: more = take_tls_hello(); break;
             case Stage::head: more = take_head(); break;
+            case Stage::first_frame: more = take_first_frame(); break;
             case Stage::answering:
             case Stage::lingering: drop_bytes(); break;
+            case Stage::tls_turn:
             case Stage::gone: break;
         }
-        if (!more) break;
     }
-    if (stage_ != Stage::gone) arm_reading();
+    if (stage_ != Stage::gone && stage_ != Stage::tls_turn && !peer_done_) arm_reading();
 }
 
-// True: something was read, there may be more.
-bool Guest::take_first_bytes() {
-    const Transport::Moved moved = transport_->read(std::span(first_).subspan(first_count_));
+// Bytes of the stream, which may be at its end or broken: then none, and the guest has been dealt with.
+Transport::Moved Guest::read(std::span<uint8_t> into) {
+    // A WebSocket's fault first: whoever asks for it has been told.
+    if (const auto fault = transport_->fault()) {
+        on_fault(*fault);
+        return {};
+    }
+    const bool shaking = handshaking_;
+    const int64_t begun_us = shaking ? monotonic_us() : 0;
+    const Transport::Moved moved = transport_->read(into);
+    watch_handshake();
+    if (shaking) around_.handshake_us += monotonic_us() - begun_us + 1;
     if (moved.closed) {
         leave(ErrorCode::client_closed);
-        return false;
+    } else if (moved.bytes == 0) {
+        if (const auto fault = transport_->fault()) on_fault(*fault);
     }
-    watch_handshake();
-    if (moved.bytes == 0) {
-        if (const auto fault = transport_->fault()) {
-            spdlog::debug("connection from {}: {}", transport_->peer(), fault->error.message);
-            transport_->finish(fault->error.code);
-            linger(fault->error.code);
-        }
-        return false;
+    return moved;
+}
+
+// Where the stream can still carry it (a WebSocket), the goodbye says what was wrong.
+void Guest::on_fault(const StreamFault& fault) {
+    if (web_) {
+        Goodbye goodbye = goodbye_for(fault.error);
+        if (fault.requirement != 0) goodbye.requirement = fault.requirement;
+        part(std::move(goodbye));
+        return;
     }
+    spdlog::debug("connection from {}: {}", transport_->peer(), fault.error.message);
+    transport_->finish(fault.error.code);
+    linger(fault.error.code);
+}
+
+// True, here and below: something was read, there may be more.
+bool Guest::take_first_bytes() {
+    const Transport::Moved moved = read(std::span(first_).subspan(first_count_));
+    if (moved.bytes == 0) return false;
     first_count_ += moved.bytes;
-    switch (form_of(std::span(first_).first(first_count_))) {
+    const auto first = std::span(first_).first(first_count_);
+    switch (form_of(first)) {
         case StreamForm::undecided: break;
         case StreamForm::tls:
-            if (tls_ == nullptr)
-                begin_tls();
-            else
-                hand_over();  // TLS inside TLS: the session refuses it as no magic
+            if (tls_ != nullptr) {
+                begin_frame();  // TLS inside TLS is no magic
+            } else if (around_.tls == nullptr) {
+                spdlog::debug("connection from {}: TLS, but this server has no certificate",
+                              transport_->peer());
+                refuse_tls(ErrorCode::wrong_magic);
+            } else if (beyond_limit_) {
+                leave(ErrorCode::too_many_connections);
+            } else {
+                stage_ = Stage::tls_hello;
+                head_ = text_of(first);
+            }
             break;
-        case StreamForm::raw: hand_over(); break;
+        case StreamForm::raw: begin_frame(); break;
         case StreamForm::http:
             stage_ = Stage::head;
             head_.reserve(longest_http_head);
-            head_.assign(first_.begin(), first_.begin() + static_cast<std::ptrdiff_t>(first_count_));
+            head_ += text_of(first);
             break;
     }
     return stage_ != Stage::gone;
 }
 
+bool Guest::take_tls_hello() {
+    const bool known = head_.size() >= tls_hello_begin;
+    const size_t wanted = known ? tls_hello_bytes(bytes_of(head_).first<tls_hello_begin>()) : tls_hello_begin;
+    if (wanted == 0) {
+        refuse_tls(ErrorCode::malformed_frame);
+        return false;
+    }
+    if (known && head_.size() == wanted) {
+        stage_ = Stage::tls_turn;
+        around_.wants_handshake(id_);
+        return false;
+    }
+    head_.reserve(wanted);
+    const auto buffer = around_.read_buffer.first(std::min(wanted - head_.size(), head_step));
+    const Transport::Moved moved = read(buffer);
+    head_.append(text_of(buffer.first(moved.bytes)));
+    return moved.bytes > 0;
+}
+
 void Guest::begin_tls() {
-    if (around_.tls == nullptr) {
-        refuse_tls();
-        return;
-    }
-    if (beyond_limit_ || around_.stats.handshakes_now >= around_.policy.handshakes) {
-        leave(ErrorCode::too_many_connections);
-        return;
-    }
-    auto plain = give_back(around_.loop, std::move(transport_), std::span(first_).first(first_count_),
-                           std::move(place_));
-    first_count_ = 0;
+    if (stage_ != Stage::tls_turn) return;
+    const std::string hello = std::exchange(head_, {});
+    auto plain = give_back(around_.loop, std::move(transport_), bytes_of(hello), std::move(place_));
     auto tls = make_tls_transport(around_.loop, *around_.tls, std::move(plain));
     tls_ = tls.get();
     transport_ = std::move(tls);
+    first_count_ = 0;
+    stage_ = Stage::first_bytes;
     handshaking_ = true;
     ++around_.stats.handshakes_now;
+    on_readable();
 }
 
-void Guest::refuse_tls() {
-    spdlog::debug("connection from {}: TLS, but this server has no certificate", transport_->peer());
-    transport_->write(no_tls_here);
-    transport_->finish(ErrorCode::wrong_magic);
-    linger(ErrorCode::wrong_magic);
+void Guest::refuse_tls(ErrorCode code) {
+    around_.sessions.count_end(code);
+    say(std::string(code == ErrorCode::wrong_magic ? no_tls_here : no_tls_hello), code);
 }
 
 void Guest::watch_handshake() {
@@ -138,41 +190,80 @@ void Guest::end_handshake(bool done) {
     if (!std::exchange(handshaking_, false)) return;
     --around_.stats.handshakes_now;
     ++(done ? around_.stats.handshakes : around_.stats.handshakes_failed);
+    around_.handshake_over(id_);
 }
 
-// The stream is raw, whatever follows.
-void Guest::hand_over() {
-    const bool encrypted = tls_ != nullptr;
+// The stream is raw, whatever follows: it is a session's with its first frame.
+void Guest::begin_frame() {
+    stage_ = Stage::first_frame;
     if (beyond_limit_) {
-        turn_away({ErrorCode::too_many_connections,
+        part(Error{ErrorCode::too_many_connections,
                    "too many connections from this address: close some, or connect again later"});
-    } else if (around_.policy.needs_encryption(address_, encrypted)) {
-        turn_away({ErrorCode::encryption_required,
-                   "this server wants TLS from other machines: connect with tls://HOST:PORT"});
+    } else if (around_.policy.needs_encryption(address_, tls_ != nullptr)) {
+        part(Error{ErrorCode::encryption_required,
+                   web_ ? "this server wants TLS from other machines: connect with wss://HOST:PORT"
+                        : "this server wants TLS from other machines: connect with tls://HOST:PORT"});
     } else {
-        ++(encrypted ? around_.stats.raw_over_tls : around_.stats.raw);
-        around_.sessions.accept(give_back(around_.loop, std::move(transport_),
-                                          std::span(first_).first(first_count_), std::move(place_)),
-                                started_us_);
-        out();
+        judge_frame(std::span(first_).first(first_count_));
     }
 }
 
-void Guest::turn_away(const Error& why) {
-    around_.sessions.turn_away(give_back(around_.loop, std::move(transport_),
-                                         std::span(first_).first(first_count_), std::move(place_)),
-                               why, started_us_);
+bool Guest::take_first_frame() {
+    const auto buffer = around_.read_buffer.first(head_step);
+    const Transport::Moved moved = read(buffer);
+    if (moved.bytes == 0) return false;
+    return judge_frame(buffer.first(moved.bytes));
+}
+
+// True: more is needed.
+bool Guest::judge_frame(std::span<const uint8_t> bytes) {
+    const Result<std::optional<Bytes>> payload = frames_.next(bytes);
+    if (!payload) {
+        part(payload.error());
+        return false;
+    }
+    if (!payload->has_value()) return true;
+    hand_over(**payload, bytes);
+    return false;
+}
+
+void Guest::hand_over(const Bytes& payload, std::span<const uint8_t> rest) {
+    Bytes begin(stream_magic.begin(), stream_magic.end());
+    const Bytes framed = frame(payload);
+    begin.insert(begin.end(), framed.begin(), framed.end());
+    begin.insert(begin.end(), rest.begin(), rest.end());
+    const bool encrypted = tls_ != nullptr;
+    DoorStats& stats = around_.stats;
+    ++(web_ ? (encrypted ? stats.websocket_over_tls : stats.websocket)
+            : (encrypted ? stats.raw_over_tls : stats.raw));
+    around_.sessions.accept(give_back(around_.loop, std::move(transport_), begin, std::move(place_)),
+                            started_us_);
     out();
+}
+
+void Guest::part(const Error& why) {
+    Goodbye goodbye = goodbye_for(why);
+    if (why.code == ErrorCode::too_many_connections || why.code == ErrorCode::shutting_down) {
+        goodbye.retry = true;  // not all at once
+        goodbye.retry_after_ms =
+            static_cast<uint32_t>(1000 + splitmix64(id_ ^ static_cast<uint64_t>(monotonic_us())) % 2000);
+    }
+    part(std::move(goodbye));
+}
+
+void Guest::part(Goodbye goodbye) {
+    spdlog::debug("connection from {}: {} {}", transport_->peer(), static_cast<unsigned>(goodbye.code),
+                  goodbye.message);
+    around_.sessions.count_end(goodbye.code);
+    const ErrorCode code = goodbye.code;
+    say(text_of(frame(encode(ServerMessage{std::move(goodbye)}))), code);
 }
 
 bool Guest::take_head() {
     const auto buffer = around_.read_buffer.first(head_step);
-    const Transport::Moved moved = transport_->read(buffer);
-    if (moved.closed || transport_->fault()) {
-        leave(ErrorCode::client_closed);
-        return false;
-    }
-    head_.append(reinterpret_cast<const char*>(buffer.data()), moved.bytes);
+    const Transport::Moved moved = read(buffer);
+    if (stage_ != Stage::head) return false;
+    head_.append(text_of(buffer.first(moved.bytes)));
     const size_t end = head_.find("\r\n\r\n", head_searched_);
     head_searched_ = head_.size() < 3 ? 0 : head_.size() - 3;
     if (end == std::string::npos) {
@@ -205,29 +296,28 @@ void Guest::on_request(const HttpRequest& request, std::span<const uint8_t> rest
     }
 }
 
+// From here on it looks like a raw stream.
 void Guest::upgrade(const HttpRequest& request, std::span<const uint8_t> rest) {
-    const bool encrypted = tls_ != nullptr;
-    auto websocket = make_websocket_transport(
+    transport_ = make_websocket_transport(
         around_.loop, request, give_back(around_.loop, std::move(transport_), rest, std::move(place_)),
         around_.limits.frame_before_login);
-    if (around_.policy.needs_encryption(address_, encrypted)) {
-        around_.sessions.turn_away(
-            std::move(websocket),
-            {ErrorCode::encryption_required,
-             "this server wants TLS from other machines: connect with wss://HOST:PORT"},
-            started_us_);
-    } else {
-        ++(encrypted ? around_.stats.websocket_over_tls : around_.stats.websocket);
-        around_.sessions.accept(std::move(websocket), started_us_);
-    }
-    out();
+    web_ = true;
+    first_count_ = 0;
+    begin_frame();
 }
 
 void Guest::answer(const HttpAnswer& what, bool head_only) {
     ++around_.stats.http_answers[what.status];
     if (beyond_limit_) around_.sessions.count_end(ErrorCode::too_many_connections);
+    say(text_of(what, head_only), ErrorCode::none);
+}
+
+// The last that it is told; what still comes is dropped.
+void Guest::say(std::string bytes, ErrorCode finish_with) {
+    end_handshake(false);
     head_ = {};
-    answer_ = text_of(what, head_only);
+    answer_ = std::move(bytes);
+    finish_with_ = finish_with;
     stage_ = Stage::answering;
     until_us_ = monotonic_us() + linger_us;
     on_writable();
@@ -249,8 +339,10 @@ void Guest::on_writable() {
         answer_taken_ += moved.bytes;
     }
     if (stage_ != Stage::answering) return;
+    answer_ = {};
     stage_ = Stage::lingering;
-    transport_->finish(ErrorCode::none);
+    transport_->finish(finish_with_);
+    if (peer_done_) out();
 }
 
 // Refused by code; what was written goes out before the connection is closed, and what still comes is dropped.
@@ -261,24 +353,36 @@ void Guest::linger(ErrorCode code) {
     until_us_ = monotonic_us() + linger_us;
 }
 
+// Who says no more (a half-closed stream) still gets the answer whole: it only reads no further.
 void Guest::drop_bytes() {
-    if (transport_->read(around_.read_buffer).closed) out();
+    if (!transport_->read(around_.read_buffer).closed) return;
+    if (stage_ == Stage::answering)
+        peer_done_ = true;
+    else
+        out();
 }
 
 void Guest::leave(ErrorCode code) {
     if (stage_ == Stage::gone) return;
-    // What has been answered or refused is counted already.
-    if (stage_ == Stage::first_bytes || stage_ == Stage::head) around_.sessions.count_end(code);
+    const bool counted = stage_ == Stage::answering || stage_ == Stage::lingering;
+    if (!counted) around_.sessions.count_end(code);
     out();
+}
+
+void Guest::shut_out() {
+    if (stage_ == Stage::first_frame)
+        part(Error{ErrorCode::shutting_down, "this server is shutting down: connect again later"});
+    else
+        leave(ErrorCode::shutting_down);
 }
 
 void Guest::sweep(int64_t now_us) {
     if (stage_ == Stage::gone || now_us < until_us_) return;
-    const bool can_be_told = stage_ == Stage::first_bytes && !handshaking_ && !beyond_limit_;
-    if (can_be_told)
-        turn_away(
-            {ErrorCode::hello_deadline, fmt::format("no hello within {} ms: send it right after connecting",
-                                                    around_.limits.hello_deadline_ms)});
+    const bool can_be_told = stage_ == Stage::first_frame || (stage_ == Stage::first_bytes && !handshaking_);
+    if (can_be_told && !beyond_limit_)
+        part(Error{ErrorCode::hello_deadline,
+                   fmt::format("no hello within {} ms: send it right after connecting",
+                               around_.limits.hello_deadline_ms)});
     else if (stage_ == Stage::head && !beyond_limit_)
         answer(sentence(408, "The request did not come in time."), false);
     else

@@ -12,6 +12,8 @@ struct DoorStats {
     uint64_t handshakes = 0;  ///< TLS handshakes done
     uint64_t handshakes_now = 0;
     uint64_t handshakes_failed = 0;
+    uint64_t handshake_turns = 0;  ///< turns of the loop in which handshakes were begun
+    uint64_t made_room = 0;        ///< connections that had to go because newer ones came
     // Streams handed to sessions, by form.
     uint64_t raw = 0;
     uint64_t raw_over_tls = 0;

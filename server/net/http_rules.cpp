@@ -19,15 +19,18 @@ bool is_websocket_key(const std::string& key) {
     return key.size() == length && key.ends_with("==") && std::all_of(key.begin(), key.end() - 2, base64);
 }
 
+// A page that had its own name point here (DNS rebinding) still sends that name.
+HttpAnswer other_host(const HttpRequest& request) {
+    return sentence(403, fmt::format("The host '{}' is not on this server's list: ask for it by one of its "
+                                     "addresses, or start the server with --allow-host.",
+                                     request.host));
+}
+
 std::optional<HttpAnswer> upgrade_refusal(const HttpRequest& request, const HttpSituation& situation) {
     if (request.method != "GET") return sentence(405, "A WebSocket is opened with GET.", {"Allow: GET"});
     if (situation.draining)
         return sentence(503, "This server is shutting down: connect again later.", {"Retry-After: 2"});
-    if (!situation.policy.host_allowed(request.host))
-        return sentence(403,
-                        fmt::format("The host '{}' is not on this server's list: ask for it by one of its "
-                                    "addresses, or start the server with --allow-host.",
-                                    request.host));
+    if (!situation.policy.host_allowed(request.host)) return other_host(request);
     if (!situation.policy.origin_allowed(request.origin))
         return sentence(403,
                         fmt::format("Pages of '{}' may not connect: start the server with --allow-origin "
@@ -67,6 +70,8 @@ std::optional<HttpAnswer> http_answer_to(const HttpRequest& request, const HttpS
     if (path == "/livez") return sentence(200, "alive");
     if (path == "/readyz") return readiness(situation);
     if (path == "/metrics") {
+        // Who names no host (HTTP/1.0) is no browser.
+        if (!request.host.empty() && !situation.policy.host_allowed(request.host)) return other_host(request);
         if (!situation.encrypt) return std::nullopt;
         return sentence(403,
                         "Metrics need TLS from another machine: ask with https, or start the server with "

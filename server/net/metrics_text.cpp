@@ -71,6 +71,8 @@ void add_door(Page& page, const DoorStats& s) {
     page.line("tls_handshakes_total", "outcome=\"done\"", s.handshakes);
     page.line("tls_handshakes_total", "outcome=\"failed\"", s.handshakes_failed);
     page.gauge("tls_handshakes_open", "TLS handshakes under way.", s.handshakes_now);
+    page.counter("connections_made_room_total",
+                 "Connections that were not in yet and had to go because newer ones came.", s.made_room);
     page.begin("http_answers_total", "HTTP answers by status, upgrades apart.", "counter");
     for (const auto& [status, count] : s.http_answers)
         page.line("http_answers_total", fmt::format("status=\"{}\"", status), count);
@@ -79,6 +81,8 @@ void add_door(Page& page, const DoorStats& s) {
 void add_sessions(Page& page, const ServerStats& s) {
     page.counter("sessions_started_total", "Sessions past their hello.", s.sessions_started);
     page.gauge("sessions", "Connections that sessions hold now.", s.sessions_now);
+    page.counter("sessions_held_back_total", "Connections that waited, as their address logs in too often.",
+                 s.held_back);
     page.by_code("sessions_ended_total", "Connections and sessions that ended, by code.", s.ended);
     page.by_code("sessions_ended_elsewhere_total", "How clients say that their last session ended, by code.",
                  s.clients_ends);

@@ -86,6 +86,12 @@ public:
 
     /// nullopt: the previous result still holds. Never nullopt without a previous one.
     virtual std::optional<MadeResult> make_result(const ResultRequest& request) = 0;
+    /// The same for who holds nothing yet or asks for much: may be computed where it holds up nobody. Calls back once, on the io thread,
+    /// maybe before this returns; what the request refers to need not last.
+    virtual void make_result_aside(const ResultRequest& request,
+                                   const std::function<void(std::optional<MadeResult>)>& done) {
+        done(make_result(request));
+    }
     /// Checks what a client says it holds; whatever it says, at most one result is computed.
     virtual Resumption resume(const ResumeState& claim) = 0;
     /// The sums at a probe's points as this state has them; only the first points where their parts would be too many.

@@ -14,6 +14,7 @@ struct ServerStats {
     uint64_t connections = 0;       ///< accepted
     uint64_t sessions_started = 0;  ///< past the hello
     uint64_t sessions_now = 0;      ///< connections open now
+    uint64_t held_back = 0;         ///< connections that had to wait, as their address logs in too often
     uint64_t frames_in = 0;
     uint64_t bytes_in = 0;
     uint64_t frames_out = 0;

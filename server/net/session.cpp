@@ -26,6 +26,7 @@ Session::Session(SessionSurroundings& around, uint64_t id, std::unique_ptr<Trans
       id_(id),
       transport_(std::move(transport)),
       peer_(transport_->peer()),
+      started_us_(monotonic_us()),
       frames_(FrameReader::Opening::magic, around.limits.frame_before_login),
       view_rate_(around.limits.views_per_second, around.limits.views_per_second),
       command_rate_(around.limits.commands_per_second, around.limits.commands_per_second),
@@ -36,6 +37,8 @@ Session::Session(SessionSurroundings& around, uint64_t id, std::unique_ptr<Trans
 
 void Session::start(int64_t since_us) {
     around_.loop.assert_here();
+    if (stage_ != Stage::waiting) return;
+    stage_ = Stage::hello;
     started_us_ = since_us;
     heard_us_ = progress_us_ = monotonic_us();
     arm_reading();
@@ -48,17 +51,22 @@ void Session::refuse(const Error& error, uint32_t offending_sequence) {
 void Session::part(Goodbye goodbye) {
     around_.loop.assert_here();
     if (stage_ == Stage::parting || stage_ == Stage::ended) return;
+    wind_up(goodbye.code, goodbye.message);
+    send(goodbye);
+    // Reading goes on until the peer closes: closing over unread bytes would reset the stream and lose the goodbye.
+    if (stage_ == Stage::parting) arm_reading();
+}
+
+// Nothing follows but what is said last; once that is written, the stream ends as its form has it.
+void Session::wind_up(ErrorCode code, const std::string& reason) {
     stage_ = Stage::parting;
-    end_code_ = goodbye.code;
-    end_reason_ = goodbye.message;
+    end_code_ = code;
+    end_reason_ = reason;
     parting_until_us_ = monotonic_us() + parting_us;
     view_timer_.stop();
     control_.clear();
     answers_.clear();
     unread_ = {};
-    send(goodbye);
-    // Reading goes on until the peer closes: closing over unread bytes would reset the stream and lose the goodbye.
-    if (stage_ == Stage::parting) arm_reading();
 }
 
 void Session::end(ErrorCode code, const std::string& reason) {
@@ -102,6 +110,7 @@ void Session::sweep(int64_t now_us) {
     around_.loop.assert_here();
     const Limits& limits = around_.limits;
     switch (stage_) {
+        case Stage::waiting:
         case Stage::ended: return;
         case Stage::parting:
             if (now_us >= parting_until_us_) end(end_code_, end_reason_);

@@ -15,12 +15,15 @@
 #include "server/net/io_loop.hpp"
 #include "server/net/sea_provider.hpp"
 #include "server/net/server_stats.hpp"
+#include "server/net/session_share.hpp"
 #include "server/net/state_lane.hpp"
 #include "server/net/terrain_lane.hpp"
 #include "server/net/transport.hpp"
 #include "server/net/view_motion.hpp"
 
 namespace trochoid {
+
+class Session;
 
 /// What all sessions of a server share; outlives them.
 struct SessionSurroundings {
@@ -34,6 +37,8 @@ struct SessionSurroundings {
     std::function<void(uint64_t id, ErrorCode code)> ended;
     /// How an earlier session of this node ended; none where it has not, or where too many have since.
     std::function<ErrorCode(uint64_t id)> how_ended;
+    /// Calls the session's `compute_aside` when its turn has come.
+    std::function<void(const std::shared_ptr<Session>& session)> wants_turn;
 };
 
 /// One client, from its first byte to its end, on the io thread: magic, hello, then four lanes out by priority (control,
@@ -44,23 +49,31 @@ public:
     Session(const Session&) = delete;
     Session& operator=(const Session&) = delete;
 
-    /// Begins to read. `since_us`: when the connection came (monotonic, microseconds); the hello deadline runs from then.
+    /// Begins to read; until then the connection waits. `since_us`: when it came (monotonic, microseconds), waiting apart; the hello
+    /// deadline runs from then.
     void start(int64_t since_us);
     /// Says goodbye and ends. Without effect on a session that is already ending.
     void part(Goodbye goodbye);
     /// The world has changed: the next result is decided as soon as it can be written.
     void sea_changed();
+    /// Computes a result aside, and calls `done` once that is over, maybe before this returns.
+    void compute_aside(const std::function<void()>& done);
     /// Deadlines and spans that run out; to be called about ten times a second.
     void sweep(int64_t now_us);
 
     uint64_t id() const { return id_; }
+    /// How it ends, known from when it parts; none before.
+    ErrorCode end_code() const { return end_code_; }
+    const std::string& peer() const { return peer_; }
     bool live() const { return stage_ == Stage::live; }
+    bool waiting() const { return stage_ == Stage::waiting; }
 
 private:
-    enum class Stage : uint8_t { hello, live, parting, ended };
+    enum class Stage : uint8_t { waiting, hello, live, parting, ended };
 
     // session.cpp: beginning and end.
     void end(ErrorCode code, const std::string& reason);
+    void wind_up(ErrorCode code, const std::string& reason);
     void refuse(const Error& error, uint32_t offending_sequence = 0);
     void log_start() const;
     bool waits_for_client() const;
@@ -98,7 +111,9 @@ private:
     bool due(int64_t now_us) const;
     bool bulk_to_write(int64_t now_us) const;
     void write_bulk();
-    void begin_result(int64_t now_us);
+    void consider(int64_t now_us);
+    ResultRequest begin_considering(int64_t now_us);
+    void take_result(std::optional<MadeResult> made);
     bool write_state(int64_t now_us);
     bool write_answer();
     bool write_terrain(int64_t now_us);
@@ -114,7 +129,7 @@ private:
     Role role_ = Role::viewer;
     uint64_t last_session_ = 0;  // that the client comes back from; 0: none, or not known
     uint16_t protocol_ = 0;      // version in use, from the hello on
-    Stage stage_ = Stage::hello;
+    Stage stage_ = Stage::waiting;
     int64_t started_us_ = 0;
     int64_t heard_us_ = 0;     // last bytes from the client
     int64_t progress_us_ = 0;  // last time that the client took something, or that nothing waited for it
@@ -137,8 +152,10 @@ private:
     ViewState view_;
     ViewMotion view_motion_;
     std::vector<SyncRegion> regions_;
-    bool view_news_ = false;     // a view that no result was decided from yet
-    bool sea_news_ = false;      // anything else that calls for a result
+    bool view_news_ = false;  // a view that no result was decided from yet
+    bool sea_news_ = false;   // anything else that calls for a result
+    bool aside_ = false;      // a result is being computed aside, or waits for that
+    SessionShare io_share_;
     int64_t considered_us_ = 0;  // when a result was decided last
     int64_t refresh_at_us_ = INT64_MAX;
     LoopTimer view_timer_;

@@ -27,6 +27,7 @@ constexpr size_t bytes_a_turn = 1024;
 // Protocol versions from which on there are such things.
 constexpr uint16_t first_with_resume = 3;
 constexpr uint16_t first_with_probes = 3;
+constexpr uint16_t first_with_patch_planes = 3;
 // A client that finds difference after difference costs a snapshot each.
 constexpr int64_t desync_interval_us = 5 * microseconds_per_second;
 
@@ -94,6 +95,12 @@ void Session::take_frames(std::span<const uint8_t> bytes) {
 
 void Session::take_frame(std::span<const uint8_t> payload) {
     ++around_.stats.frames_in;
+    // Before anything is made of it: what is too much costs next to nothing.
+    if (!message_rate_.take(read_at_us_)) {
+        refuse({ErrorCode::rate_limited,
+                "too many messages a second: send views, acks and questions only when needed"});
+        return;
+    }
     Result<ClientMessage> message = decode_client(payload);
     if (!message) {
         part(goodbye_for_payload(message.error(), payload, client_identifier));
@@ -114,9 +121,6 @@ Result<Done> Session::in_time(const ClientMessage& message) {
     if (!phase) return phase;
     Result<Done> order = sequence_.accept(message);
     if (!order) return order;
-    if (!message_rate_.take(read_at_us_))
-        return Error{ErrorCode::rate_limited,
-                     "too many messages a second: send views, acks and questions only when needed"};
     const bool view =
         std::holds_alternative<ViewUpdate>(message) || std::holds_alternative<SyncRegions>(message);
     if (view && !view_rate_.take(read_at_us_))
@@ -197,6 +201,7 @@ void Session::handle(ClientHello& hello) {
     role_ = decision->role;
     last_session_ = decision->last_session;
     protocol_ = *common_version(hello);
+    if (protocol_ >= first_with_patch_planes) state_.set_patch_form(PatchForm::planes);
     stage_ = Stage::live;
     frames_.set_longest(around_.limits.frame_after_login);
     transport_->set_longest(around_.limits.frame_after_login);
@@ -381,8 +386,8 @@ void Session::handle(const Desync& desync) {
 }
 
 void Session::handle(const Goodbye& goodbye) {
-    end(goodbye.code == ErrorCode::none ? ErrorCode::client_closed : goodbye.code,
-        goodbye.message.empty() ? "the client said goodbye" : "the client: " + goodbye.message);
+    wind_up(goodbye.code == ErrorCode::none ? ErrorCode::client_closed : goodbye.code,
+            goodbye.message.empty() ? "the client said goodbye" : "the client: " + goodbye.message);
 }
 
 }  // namespace trochoid

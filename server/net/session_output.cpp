@@ -58,7 +58,7 @@ void Session::flush() {
     if (stage_ != Stage::live) return;
     const int64_t now_us = monotonic_us();
     if (bulk_to_write(now_us)) arm_writing();
-    if (view_news_ && !due(now_us)) arm_view_timer(now_us);
+    if (view_news_ && !aside_ && !due(now_us)) arm_view_timer(now_us);
 }
 
 // A view that came too soon after the last one considered waits for its turn.
@@ -97,39 +97,73 @@ void Session::on_writable() {
 }
 
 bool Session::due(int64_t now_us) const {
+    if (aside_) return false;
     return sea_news_ || (view_news_ && now_us >= considered_us_ + view_interval_us);
 }
 
 bool Session::bulk_to_write(int64_t now_us) const {
     const bool credit = state_.has_credit();
     if (state_.writing() || !answers_.idle()) return true;
-    if (credit && (due(now_us) || state_.marker_due())) return true;
-    return has_terrain_ && credit && (terrain_news_ || !terrain_.idle());
+    // Nothing is begun on what the result that is being computed aside will begin on.
+    if (aside_ || !credit) return false;
+    if (due(now_us) || state_.marker_due()) return true;
+    return has_terrain_ && (terrain_news_ || !terrain_.idle());
 }
 
 // One frame of the most important lane that has something to say.
 void Session::write_bulk() {
     const int64_t now_us = monotonic_us();
-    if (!state_.writing() && state_.has_credit()) {
+    if (!state_.writing() && !aside_ && state_.has_credit()) {
         if (due(now_us))
-            begin_result(now_us);
+            consider(now_us);
         else if (state_.marker_due())
             state_.begin_marker(around_.sea.clock_facts().watermark);
     }
-    if (write_state(now_us) || write_answer()) return;
+    if (write_state(now_us) || write_answer() || aside_) return;
     write_terrain(now_us);
 }
 
-void Session::begin_result(int64_t now_us) {
+ResultRequest Session::begin_considering(int64_t now_us) {
     sea_news_ = view_news_ = false;
     considered_us_ = now_us;
     terrain_news_ = true;
-    std::optional<MadeResult> made = around_.sea.make_result(
-        {view_, regions_, state_.key(), state_.round_trip_us(), view_motion_.turn(now_us)});
-    TROCHOID_ASSERT(made || state_.key() != nullptr, "session {} got no first result", id_);
+    return {view_, regions_, state_.key(), state_.round_trip_us(), view_motion_.turn(now_us)};
+}
+
+// Whoever holds nothing yet, and whoever has used up its share of the io thread, has its result computed aside.
+void Session::consider(int64_t now_us) {
+    if (state_.key() == nullptr || !io_share_.left(now_us)) {
+        aside_ = true;
+        around_.wants_turn(shared_from_this());
+        return;
+    }
+    std::optional<MadeResult> made = around_.sea.make_result(begin_considering(now_us));
+    take_result(std::move(made));
+    io_share_.spend(monotonic_us() - now_us);
+}
+
+// The request is of now: what has come since the session began to wait counts.
+void Session::compute_aside(const std::function<void()>& done) {
+    if (stage_ != Stage::live) return done();
+    around_.sea.make_result_aside(
+        begin_considering(monotonic_us()), [weak = weak_from_this(), done](std::optional<MadeResult> made) {
+            if (const auto self = weak.lock(); self && self->stage_ == Stage::live) {
+                self->aside_ = false;
+                self->take_result(std::move(made));
+                self->arm_writing();
+            }
+            done();
+        });
+}
+
+void Session::take_result(std::optional<MadeResult> made) {
     const bool owed = std::exchange(result_owed_, false);
-    if (!made && owed) state_.begin_marker(around_.sea.clock_facts().watermark);
-    if (!made) return;
+    if (!made) {
+        // Without a key a resync came in between: it asks for a result of its own.
+        TROCHOID_ASSERT(state_.key() != nullptr || sea_news_, "session {} got no first result", id_);
+        if (owed && state_.key() != nullptr) state_.begin_marker(around_.sea.clock_facts().watermark);
+        return;
+    }
     refresh_at_us_ = made->refresh_at_us;
     const InterestDelta change = around_.sea.change(*state_.base(), *made->state, made->key);
     ++around_.stats.results;

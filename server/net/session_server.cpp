@@ -27,7 +27,7 @@ uint64_t first_session() {
 
 }  // namespace
 
-SessionServer::SessionServer(IoLoop& loop, SeaProvider& sea, const Limits& limits)
+SessionServer::SessionServer(IoLoop& loop, SeaProvider& sea, const Limits& limits, uint32_t logins_per_second)
     : loop_(loop),
       read_buffer_(read_buffer_bytes),
       around_{loop,
@@ -36,20 +36,24 @@ SessionServer::SessionServer(IoLoop& loop, SeaProvider& sea, const Limits& limit
               limits,
               read_buffer_,
               [this](uint64_t id, ErrorCode code) { forget(id, code); },
-              [this](uint64_t id) { return how_ended(id); }},
+              [this](uint64_t id) { return how_ended(id); },
+              [this](const std::shared_ptr<Session>& session) {
+                  turns_.push(peer_address(session->peer()), session);
+                  if (!computing_) take_turns();
+              }},
       sweep_timer_(loop),
-      next_id_(first_session()) {
+      next_id_(first_session()),
+      admission_(logins_per_second) {
     sweep_timer_.start(sweep_interval, [this] { sweep(); });
 }
 
-Session& SessionServer::open(std::unique_ptr<Transport> transport, int64_t since_us) {
+Session& SessionServer::enter(std::unique_ptr<Transport> transport) {
     loop_.assert_here();
     ++stats_.connections;
     const uint64_t id = next_id_++;
     const auto session = std::make_shared<Session>(around_, id, std::move(transport));
     sessions_.emplace(id, session);
     stats_.sessions_now = sessions_.size();
-    session->start(since_us);
     return *session;  // in the map at least until the loop's next turn
 }
 
@@ -58,19 +62,62 @@ void SessionServer::accept(std::unique_ptr<Transport> transport) {
 }
 
 void SessionServer::accept(std::unique_ptr<Transport> transport, int64_t since_us) {
-    Session& session = open(std::move(transport), since_us);
+    Session& session = enter(std::move(transport));
+    const auto part_with = [&](const Error& why) {
+        session.start(since_us);
+        session.part(farewell(why, session.id()));
+    };
     if (draining_)
-        session.part(farewell({ErrorCode::shutting_down, "this server is shutting down: connect again later"},
-                              session.id()));
-    else if (sessions_.size() > around_.limits.sessions)
-        session.part(
-            farewell({ErrorCode::too_many_sessions,
-                      fmt::format("all {} sessions are taken: connect again later", around_.limits.sessions)},
-                     session.id()));
+        return part_with({ErrorCode::shutting_down, "this server is shutting down: connect again later"});
+    if (sessions_.size() > around_.limits.sessions)
+        return part_with(
+            {ErrorCode::too_many_sessions,
+             fmt::format("all {} sessions are taken: connect again later", around_.limits.sessions)});
+    const int64_t now_us = monotonic_us();
+    switch (admission_.ask(peer_address(session.peer()), session.id(), now_us)) {
+        case SessionAdmission::Verdict::at_once: return session.start(since_us);
+        case SessionAdmission::Verdict::later:
+            ++stats_.held_back;
+            // The hello deadline stands still while it waits.
+            held_back_.emplace(session.id(), now_us - since_us);
+            return;
+        case SessionAdmission::Verdict::never:
+            return part_with({ErrorCode::too_many_connections,
+                              "too many logins from this address: keep connections, or connect again later"});
+    }
+}
+
+// Those whose turn has come. What has ended meanwhile has had its turn.
+void SessionServer::admit(int64_t now_us) {
+    for (const uint64_t id : admission_.due(now_us)) {
+        const auto waiting = held_back_.extract(id);
+        const auto session = sessions_.find(id);
+        if (waiting.empty() || session == sessions_.end()) continue;
+        session->second->start(now_us - waiting.mapped());
+    }
+}
+
+// One result is computed aside at a time; the next one begins in a turn of its own.
+void SessionServer::take_turns() {
+    if (const auto next = turns_.pop()) {
+        const std::shared_ptr<Session> session = next->lock();
+        computing_ = true;
+        const auto done = [this] {
+            loop_.post([this] {
+                computing_ = false;
+                take_turns();
+            });
+        };
+        if (session)
+            session->compute_aside(done);
+        else
+            done();
+    }
 }
 
 void SessionServer::turn_away(std::unique_ptr<Transport> transport, const Error& why, int64_t since_us) {
-    Session& session = open(std::move(transport), since_us);
+    Session& session = enter(std::move(transport));
+    session.start(since_us);
     const bool later = why.code == ErrorCode::too_many_connections;
     session.part(later ? farewell(why, session.id()) : goodbye_for(why));
 }
@@ -95,17 +142,26 @@ void SessionServer::sea_changed() {
 void SessionServer::sweep() {
     const int64_t now_us = monotonic_us();
     for (const auto& session : all()) session->sweep(now_us);
+    admit(now_us);
     sweep_timer_.start(sweep_interval, [this] { sweep(); });
 }
 
 ErrorCode SessionServer::how_ended(uint64_t id) const {
+    // One that parts still waits for its client to close: it has ended all the same.
+    if (const auto parting = sessions_.find(id); parting != sessions_.end())
+        return parting->second->end_code();
     const auto known = ends_.find(id);
     return known == ends_.end() ? ErrorCode::none : known->second;
 }
 
 void SessionServer::forget(uint64_t id, ErrorCode code) {
     ends_[id] = code;
-    if (ends_.size() > most_ends) ends_.erase(ends_.begin());
+    ends_in_order_.push_back(id);
+    if (ends_in_order_.size() > most_ends) {
+        ends_.erase(ends_in_order_.front());
+        ends_in_order_.pop_front();
+    }
+    held_back_.erase(id);
     // Not at once: the session is still on the stack.
     loop_.post([this, id] {
         sessions_.erase(id);

@@ -1,5 +1,6 @@
 #pragma once
 #include <cstdint>
+#include <deque>
 #include <functional>
 #include <map>
 #include <memory>
@@ -9,18 +10,21 @@
 #include "server/net/sea_provider.hpp"
 #include "server/net/server_stats.hpp"
 #include "server/net/session.hpp"
+#include "server/net/session_admission.hpp"
+#include "server/net/session_turns.hpp"
 
 namespace trochoid {
 
 /// All sessions of one server, on the io thread.
 class SessionServer {
 public:
-    SessionServer(IoLoop& loop, SeaProvider& sea, const Limits& limits);
+    /// `logins_per_second`: of one address (SessionAdmission); 0: any number.
+    SessionServer(IoLoop& loop, SeaProvider& sea, const Limits& limits, uint32_t logins_per_second = 0);
     SessionServer(const SessionServer&) = delete;
     SessionServer& operator=(const SessionServer&) = delete;
 
     /// Takes a new connection, which came at `since_us` (monotonic, microseconds); beyond Limits::sessions it only gets a
-    /// goodbye.
+    /// goodbye. One beyond the logins of its address waits for its turn, or gets a goodbye where too many wait.
     void accept(std::unique_ptr<Transport> transport, int64_t since_us);
     void accept(std::unique_ptr<Transport> transport);
     /// Takes a connection only to say goodbye.
@@ -39,7 +43,9 @@ private:
     void sweep();
     void forget(uint64_t id, ErrorCode code);
     ErrorCode how_ended(uint64_t id) const;
-    Session& open(std::unique_ptr<Transport> transport, int64_t since_us);
+    void admit(int64_t now_us);
+    void take_turns();
+    Session& enter(std::unique_ptr<Transport> transport);
     static Goodbye farewell(const Error& error, uint64_t id);
     std::vector<std::shared_ptr<Session>> all() const;
 
@@ -52,6 +58,12 @@ private:
     /// A session's number: of this node above, in order below. 0 is none.
     uint64_t next_id_;
     std::map<uint64_t, ErrorCode> ends_;  // of the sessions that ended last
+    std::deque<uint64_t> ends_in_order_;  // ends_, the oldest first
+    SessionAdmission admission_;
+    std::map<uint64_t, int64_t>
+        held_back_;  // sessions that wait, and when they began to (monotonic microseconds)
+    FairQueue<std::weak_ptr<Session>> turns_;  // of what is computed aside
+    bool computing_ = false;
     bool draining_ = false;
     std::function<void()> drained_;
 };

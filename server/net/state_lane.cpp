@@ -19,6 +19,7 @@ void StateLane::begin(MadeResult made, const InterestDelta& change, size_t most_
     header.state_hash = made.state == base_ ? base_hash_ : hash_of(*made.state);
     header.key = made.key;
     header.watermark = made.watermark;
+    header.patch_form = patch_form_;
     patches_begun_ = static_cast<uint32_t>(change.patches.size());
     pieces_ = split(header, change, most_piece_bytes);
     next_piece_ = 0;

@@ -28,6 +28,8 @@ public:
 
     StateLane();
 
+    /// As the session's protocol version has them: lists in version 2, planes after. Before anything is begun.
+    void set_patch_form(PatchForm form) { patch_form_ = form; }
     /// Key of the last result begun; nullptr: the client holds nothing.
     const CullKey* key() const { return has_key_ ? &key_ : nullptr; }
     const std::shared_ptr<const InterestState>& base() const { return base_; }
@@ -71,6 +73,7 @@ private:
         int64_t written_at_us = 0;
     };
 
+    PatchForm patch_form_ = PatchForm::lists;
     uint32_t result_ = 0;       // number of the last result begun
     uint32_t base_result_ = 0;  // number that the next delta names as its base; 0: nothing
     std::shared_ptr<const InterestState> base_;

@@ -16,11 +16,25 @@ namespace trochoid {
 
 namespace {
 
+// One read of ours takes no more than this many of the stream below (a record takes two): whatever a peer sends, in whatever
+// pieces, a read comes back soon, and others get their turn.
+constexpr int reads_at_once = 8;
+
 // OpenSSL's view of a Transport, so that it needs no buffers of its own for what goes in and out.
+struct Below {
+    std::unique_ptr<Transport> transport;
+    int reads_left = 0;
+};
+
 int read_bio(BIO* bio, char* into, int bytes) {
     BIO_clear_retry_flags(bio);
-    auto* const inner = static_cast<Transport*>(BIO_get_data(bio));
-    const auto moved = inner->read({reinterpret_cast<uint8_t*>(into), static_cast<size_t>(bytes)});
+    auto* const below = static_cast<Below*>(BIO_get_data(bio));
+    if (below->reads_left <= 0) {
+        BIO_set_retry_read(bio);
+        return -1;
+    }
+    --below->reads_left;
+    const auto moved = below->transport->read({reinterpret_cast<uint8_t*>(into), static_cast<size_t>(bytes)});
     if (moved.closed) return 0;
     if (moved.bytes == 0) {
         BIO_set_retry_read(bio);
@@ -31,8 +45,9 @@ int read_bio(BIO* bio, char* into, int bytes) {
 
 int write_bio(BIO* bio, const char* from, int bytes) {
     BIO_clear_retry_flags(bio);
-    auto* const inner = static_cast<Transport*>(BIO_get_data(bio));
-    const auto moved = inner->write({reinterpret_cast<const uint8_t*>(from), static_cast<size_t>(bytes)});
+    auto* const below = static_cast<Below*>(BIO_get_data(bio));
+    const auto moved =
+        below->transport->write({reinterpret_cast<const uint8_t*>(from), static_cast<size_t>(bytes)});
     if (moved.closed) return -1;
     if (moved.bytes == 0) {
         BIO_set_retry_write(bio);
@@ -71,64 +86,95 @@ Error fault_of(unsigned long code, bool established) {
 class TlsStream final : public TlsTransport {
 public:
     TlsStream(IoLoop& loop, const TlsIdentity& identity, std::unique_ptr<Transport> inner)
-        : inner_(std::move(inner)), ssl_(SSL_new(identity.context()), SSL_free), soon_(loop) {
+        : below_{std::move(inner)}, ssl_(SSL_new(identity.context()), SSL_free), soon_(loop) {
         BIO* const bio = BIO_new(transport_method());
         TROCHOID_ASSERT(ssl_ && bio != nullptr, "OpenSSL is out of memory");
-        BIO_set_data(bio, inner_.get());
+        BIO_set_data(bio, &below_);
         BIO_set_init(bio, 1);
         SSL_set_bio(ssl_.get(), bio, bio);
         SSL_set_accept_state(ssl_.get());
     }
     ~TlsStream() override = default;
 
-    const std::string& peer() const override { return inner_->peer(); }
-    bool established() const override { return SSL_is_init_finished(ssl_.get()) == 1; }
+    const std::string& peer() const override { return below_.transport->peer(); }
+    bool established() const override { return established_; }
     std::optional<StreamFault> fault() const override { return fault_; }
 
     void when_readable(std::function<void()> ready) override {
-        if ((fault_ && !fault_told_) || SSL_pending(ssl_.get()) > 0)
+        if ((fault_ && !fault_told_) || SSL_pending(ssl_.get()) > 0) {
             soon_.call(std::move(ready));
-        else if (read_wants_write_)
-            inner_->when_writable(std::move(ready));
-        else
-            inner_->when_readable(std::move(ready));
+        } else if (read_wants_write_) {
+            below_.transport->when_writable(std::move(ready));
+        } else {
+            reader_ = std::move(ready);
+            wait_below();
+        }
     }
-    void when_writable(std::function<void()> ready) override { inner_->when_writable(std::move(ready)); }
+    void when_writable(std::function<void()> ready) override {
+        if (write_wants_read_) {
+            writer_ = std::move(ready);
+            wait_below();
+        } else {
+            below_.transport->when_writable(std::move(ready));
+        }
+    }
 
     Moved read(std::span<uint8_t> into) override;
     Moved write(std::span<const uint8_t> bytes) override;
     void finish(ErrorCode why) override;
     void close() override {
         soon_.forget();
-        inner_->close();
+        reader_ = writer_ = nullptr;
+        alive_.reset();
+        below_.transport->close();
     }
 
 private:
     Moved drain_broken(std::span<uint8_t> into);
+    void wait_below();
 
-    std::unique_ptr<Transport> inner_;
+    Below below_;
     std::unique_ptr<SSL, decltype(&SSL_free)> ssl_;
     Soon soon_;
+    std::shared_ptr<const bool> alive_ = std::make_shared<const bool>(true);
+    std::function<void()> reader_;  // both wait for bytes from below
+    std::function<void()> writer_;
+    bool waiting_below_ = false;
+    bool established_ = false;  // once and for all: OpenSSL says no again while the peer changes its key
     std::optional<StreamFault> fault_;
     bool fault_told_ = false;
     bool read_wants_write_ = false;
+    bool write_wants_read_ = false;
     bool close_notify_waits_ = false;
     size_t record_begun_ =
         0;  // bytes of a record that is encrypted but not all taken; the next write goes on with it
 };
 
+void TlsStream::wait_below() {
+    if (std::exchange(waiting_below_, true)) return;
+    below_.transport->when_readable([this, alive = std::weak_ptr<const bool>(alive_)] {
+        if (alive.expired()) return;  // a call that was under way already cannot be taken back
+        waiting_below_ = false;
+        const auto reader = std::exchange(reader_, nullptr);
+        if (const auto writer = std::exchange(writer_, nullptr)) soon_.call(writer);
+        if (reader) reader();
+    });
+}
+
 // After a fault nothing is readable; what arrives is dropped, so that closing does not reset our last words away.
 Transport::Moved TlsStream::drain_broken(std::span<uint8_t> into) {
     fault_told_ = true;
-    return {0, inner_->read(into).closed};
+    return {0, below_.transport->read(into).closed};
 }
 
 Transport::Moved TlsStream::read(std::span<uint8_t> into) {
     if (fault_) return drain_broken(into);
     ERR_clear_error();
     size_t bytes = 0;
+    below_.reads_left = reads_at_once;
     const int done = SSL_read_ex(ssl_.get(), into.data(), into.size(), &bytes);
-    read_wants_write_ = false;
+    established_ = established_ || SSL_is_init_finished(ssl_.get()) == 1;
+    read_wants_write_ = write_wants_read_ = false;
     if (done == 1) return {bytes, false};
     switch (SSL_get_error(ssl_.get(), done)) {
         case SSL_ERROR_WANT_READ: return {};
@@ -137,7 +183,7 @@ Transport::Moved TlsStream::read(std::span<uint8_t> into) {
             const unsigned long code = ERR_peek_error();
             ERR_clear_error();
             if (ERR_GET_REASON(code) == SSL_R_UNEXPECTED_EOF_WHILE_READING) return {0, true};
-            fault_ = StreamFault{fault_of(code, established()), requirement::encryption};
+            fault_ = StreamFault{fault_of(code, established_), requirement::encryption};
             return {};
         }
         default: return {0, true};
@@ -146,38 +192,41 @@ Transport::Moved TlsStream::read(std::span<uint8_t> into) {
 
 Transport::Moved TlsStream::write(std::span<const uint8_t> bytes) {
     if (bytes.empty()) return {};
-    if (fault_ || !established()) return {0, true};
+    if (fault_ || !established_) return {0, true};
     TROCHOID_ASSERT(bytes.size() >= record_begun_, "{} bytes are written again, but {} were begun",
                     bytes.size(), record_begun_);
     ERR_clear_error();
     size_t taken = 0;
     const size_t now = record_begun_ > 0 ? record_begun_ : bytes.size();
+    below_.reads_left = reads_at_once;
     const int done = SSL_write_ex(ssl_.get(), bytes.data(), now, &taken);
     if (done == 1) {
         record_begun_ = 0;
         return {taken, false};
     }
-    if (SSL_get_error(ssl_.get(), done) != SSL_ERROR_WANT_WRITE) {
-        ERR_clear_error();
-        return {0, true};
+    switch (SSL_get_error(ssl_.get(), done)) {
+        case SSL_ERROR_WANT_WRITE: record_begun_ = now; return {};
+        // The peer is in the middle of changing its key: what is to be written waits for the rest of that.
+        case SSL_ERROR_WANT_READ: write_wants_read_ = true; return {};
+        default: ERR_clear_error(); return {0, true};
     }
-    record_begun_ = now;
-    return {};
 }
 
 void TlsStream::finish(ErrorCode why) {
     ERR_clear_error();
-    if (!fault_ && established() && record_begun_ == 0) {
+    if (!fault_ && established_ && record_begun_ == 0) {
         const int sent = SSL_shutdown(ssl_.get());
         if (sent < 0 && SSL_get_error(ssl_.get(), sent) == SSL_ERROR_WANT_WRITE && !close_notify_waits_) {
             close_notify_waits_ =
                 true;  // once more when the socket takes it; then the stream ends either way
-            inner_->when_writable([this, why] { finish(why); });
+            below_.transport->when_writable([this, why, alive = std::weak_ptr<const bool>(alive_)] {
+                if (!alive.expired()) finish(why);
+            });
             return;
         }
         ERR_clear_error();
     }
-    inner_->finish(why);
+    below_.transport->finish(why);
 }
 
 }  // namespace

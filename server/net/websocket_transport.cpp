@@ -15,9 +15,13 @@
 
 #include "protocol/codec/codec.hpp"
 #include "protocol/wire/frame.hpp"
+#include "protocol/wire/rate_limit.hpp"
 #include "protocol/wire/requirements.hpp"
 #include "server/net/io_loop_asio.hpp"
+#include "server/net/message_room.hpp"
+#include "server/net/monotonic.hpp"
 #include "server/net/soon.hpp"
+#include "server/net/web_frame_count.hpp"
 
 // The one place where Beast's WebSocket is compiled: it takes the better part of a minute.
 namespace trochoid {
@@ -30,7 +34,9 @@ namespace http = beast::http;
 namespace websocket = beast::websocket;
 using boost::system::error_code;
 
-constexpr size_t reading_step = 1024;
+// Pings, pongs and fragments: each costs about as much as a message, and the standard lets messages come in any number of them.
+constexpr uint32_t odd_frames_per_second = 128;
+constexpr uint32_t odd_frames_at_once = 256;
 
 // A Transport that two can wait on for room: Beast, and the session above it.
 class SharedStream : public std::enable_shared_from_this<SharedStream> {
@@ -46,12 +52,19 @@ public:
         arm();
     }
     void close() {
-        beast_ = session_ = nullptr;
+        beast_ = session_ = flooded = nullptr;
         transport->close();
+    }
+    /// What Beast is given to read.
+    void came(std::span<const uint8_t> bytes) {
+        const int64_t now_us = monotonic_us();
+        for (uint32_t i = frames_.take(bytes); i > 0; --i) flood_ = flood_ || !odd_frames_.take(now_us);
+        if (flood_ && flooded) std::exchange(flooded, nullptr)();
     }
 
     std::unique_ptr<Transport> transport;
     IoLoop& loop;
+    std::function<void()> flooded;  ///< called once, when too many pings and fragments have come
 
 private:
     void arm() {
@@ -67,6 +80,9 @@ private:
     std::function<void()> beast_;
     std::function<void()> session_;
     bool armed_ = false;
+    WebFrameCount frames_;
+    RateLimit odd_frames_{odd_frames_per_second, odd_frames_at_once};
+    bool flood_ = false;
 };
 
 // Beast's AsyncStream over it. Handlers are never called from inside the asking call.
@@ -129,6 +145,7 @@ void BeastStream::read(asio::mutable_buffer into, Done done, bool inside) {
     if (moved.closed || transport.fault()) {
         complete(std::move(done), asio::error::eof, 0, inside);
     } else if (moved.bytes > 0 || into.size() == 0) {
+        shared_->came({static_cast<const uint8_t*>(into.data()), moved.bytes});
         complete(std::move(done), {}, moved.bytes, inside);
     } else {
         transport.when_readable([self = *this, into, done = std::move(done)]() mutable {
@@ -203,7 +220,7 @@ public:
 
 private:
     void read_message();
-    void took(const error_code& failed, size_t bytes);
+    void took(const error_code& failed);
     void send_message();
     void idle_again();
     void say_close();
@@ -219,7 +236,7 @@ private:
 
     Bytes arrived_;  // whole messages as frames, for the session
     size_t arrived_taken_ = 0;
-    Bytes message_;  // the message on its way in, behind room for its header
+    MessageRoom message_;
     bool reading_ = false;
     std::optional<StreamFault> fault_;
     bool fault_told_ = false;
@@ -251,6 +268,12 @@ void Socket::accept(const HttpRequest& upgrade) {
     websocket_.auto_fragment(false);
     websocket_.write_buffer_bytes(8);  // a server's whole messages go out from where they are
     websocket_.binary(true);
+    stream_->flooded = [weak = weak_from_this()] {
+        if (const auto self = weak.lock())
+            self->stop_reading({ErrorCode::rate_limited,
+                                fmt::format("more than {} pings and fragments a second: send whole messages",
+                                            odd_frames_per_second)});
+    };
     websocket_.async_accept(request, [self = shared_from_this()](const error_code& failed) {
         if (failed) {
             self->closed_ = true;
@@ -300,24 +323,20 @@ Transport::Moved Socket::read(std::span<uint8_t> into) {
 void Socket::read_message() {
     if (reading_ || fault_ || closed_ || !arrived_.empty() || !websocket_.is_open()) return;
     reading_ = true;
-    if (message_.empty()) message_.resize(frame_header_bytes);
-    const size_t held = message_.size() - frame_header_bytes;
     // One byte of room beyond the limit tells that there is more.
-    const size_t room = std::min(std::max(held, reading_step), size_t{longest_} + 1 - held);
-    message_.reserve(message_.size() + room);  // no more than asked for
-    message_.resize(message_.size() + room);
-    websocket_.async_read_some(asio::buffer(message_.data() + frame_header_bytes + held, room),
-                               [self = shared_from_this(), held](const error_code& failed, size_t bytes) {
+    const auto room = message_.room(size_t{longest_} + 1);
+    websocket_.async_read_some(asio::buffer(room.data(), room.size()),
+                               [self = shared_from_this()](const error_code& failed, size_t bytes) {
                                    self->reading_ = false;
-                                   self->message_.resize(frame_header_bytes + held + bytes);
-                                   self->took(failed, held + bytes);
+                                   self->message_.took(bytes);
+                                   self->took(failed);
                                });
 }
 
-void Socket::took(const error_code& failed, size_t bytes) {
+void Socket::took(const error_code& failed) {
+    if (fault_ || failed) message_.clear();
     if (closed_) return;
     if (failed) {
-        message_ = {};
         const bool gone = failed == websocket::error::closed || failed == asio::error::eof ||
                           failed == asio::error::broken_pipe || failed == asio::error::operation_aborted;
         if (gone) {
@@ -326,17 +345,19 @@ void Socket::took(const error_code& failed, size_t bytes) {
             return;
         }
         broken_ = true;
+        if (fault_) return;
         stop_reading(
             {ErrorCode::malformed_frame,
              fmt::format("WebSocket is broken ({}): send masked binary messages", failed.message())});
         return;
     }
+    if (fault_) return;
     if (websocket_.got_text()) {
         text_ = true;
         stop_reading({ErrorCode::malformed_frame, "a text message came: send binary ones, one a FlatBuffer"});
         return;
     }
-    if (bytes > longest_) {
+    if (message_.held() > longest_) {
         stop_reading({ErrorCode::frame_too_long,
                       fmt::format("a message of more than {} bytes: send shorter ones", longest_)});
         return;
@@ -345,9 +366,7 @@ void Socket::took(const error_code& failed, size_t bytes) {
         read_message();
         return;
     }
-    const auto header = frame_header(static_cast<uint32_t>(bytes));
-    std::copy(header.begin(), header.end(), message_.begin());
-    arrived_ = std::exchange(message_, {});
+    arrived_ = message_.take_frame();
     tell_reader();
 }
 
@@ -355,7 +374,7 @@ void Socket::stop_reading(Error error) {
     const uint16_t broken =
         error.code == ErrorCode::frame_too_long ? requirement::frame_length : requirement::websocket;
     fault_ = StreamFault{std::move(error), broken};
-    message_ = {};
+    if (!reading_) message_.clear();  // else Beast is still writing into it
     tell_reader();
 }
 

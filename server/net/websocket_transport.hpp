@@ -13,7 +13,8 @@ inline constexpr std::string_view websocket_subprotocol = "trochoid";
 
 /// Answers an upgrade request (which names the subprotocol) and makes the WebSocket look like the raw stream: reading
 /// gives the magic, then each binary message behind its 8-byte header; each frame written goes out as one binary message.
-/// Text messages and messages beyond `longest` bytes (until `set_longest`) are faults. Pings are answered by the library. What breaks
+/// Text messages, messages beyond `longest` bytes (until `set_longest`) and floods of pings or fragments are faults. Pings are answered by the
+/// library. What breaks
 /// WebSocket itself (masks, opcodes) ends with close code 1002 at once, and is a fault too.
 std::unique_ptr<Transport> make_websocket_transport(IoLoop& loop, const HttpRequest& upgrade,
                                                     std::unique_ptr<Transport> inner, uint32_t longest);

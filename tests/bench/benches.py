@@ -22,9 +22,9 @@ BENCHES = {
                 "<= 3 ns AVX-512, <= 5 ns AVX2 per train and query; <= 1.6x with fields; 1000 x 60 <= 0.18 ms"),
     "P4": Bench("land traces of 1024 rays x 1024 steps x 8 bands, one core; a moved breakwater", "trochoid-bench-land",
                 "straight <= 50 ms, eikonal <= 3x that; a moved breakwater costs less than a whole trace"),
-    "P5": Bench("what a client costs on the wire: a static camera, one at 30 m/s over 512 patches, a storm of 100 new trains; both directions, "
-                "52 bytes a segment, no TLS", "trochoid-bench-wire",
-                "<= 2 kbit/s; p95 of seconds <= 64 kbit/s; <= 16 KiB; <= 28 bytes a train", also=("trochoid-server",)),
+    "P5": Bench("what a client costs on the wire: a static camera, one at 30 m/s over 512 patches, a storm of 100 new trains, at sea and off a "
+                "coast; both directions, 52 bytes a segment, no TLS", "trochoid-bench-wire",
+                "<= 2 kbit/s; p95 of seconds <= 64 kbit/s; <= 16 KiB, land blocks apart; <= 28 bytes a train", also=("trochoid-server",)),
     "P6": Bench("from the TCP connection to every patch of the first view, round trips of 0, 50 and 200 ms, with slow start",
                 "trochoid-bench-round-trips", "<= 2 round trips + 50 ms raw, 3 in TLS, 4 as a WebSocket in TLS", also=("trochoid-server",)),
     "P8": Bench("a picture of 1280 x 720 with 250,000 triangles and 60 trains by every mesher, passes, qualities; coherent tessellation",
@@ -42,6 +42,9 @@ BENCHES = {
     "R7": Bench("good clients beside slow hellos, floods, garbage, oversize frames, bad and replayed tokens", "trochoid-bench-abuse",
                 "their p99 within 10 %; <= 4 KiB of a peer's size before its login; every disconnect has a code",
                 also=("trochoid-server",)),
+    "R8": Bench("the conformance kit against programs that break one requirement each: servers and clients behind a relay",
+                "../conformance/mutants/mutants.py", "all; those that no session can break are named",
+                also=("trochoid-mutant", "trochoid-conformance", "trochoid-server", "trochoid-ctl", "trochoid-probe")),
     "B8": Bench("long waves on a coarser grid, interpolated: where it pays, and its error bound", "trochoid-bench-coarse",
                 "the bound holds at every point; the recommended ratio is faster"),
     "spectra": Bench("computed seas against their spectra and published heights and periods: 5 winds x 5 fetches x 3 spectra",

@@ -99,26 +99,72 @@ StartWind storm(uint16_t trains) {
     return wind;
 }
 
-void direct(uint16_t port, const StartWind& wind) {
-    BlockingLink director(
-        {{"127.0.0.1", port}, "bench director", ServerProcess::director_token("open water")});
+void direct(uint16_t port, const std::string& world, const StartWind& wind) {
+    BlockingLink director({{"127.0.0.1", port}, "bench director", ServerProcess::director_token(world)});
     Command command;
     command.action = wind;
     const CommandReply reply = director.command(command);
     if (reply.code != ErrorCode::none) throw OperatorError("the storm was refused: " + reply.message);
 }
 
-/// Bytes on the wire, to this client, from just before the storm until it has long been told.
-uint64_t bytes_of_storm(MeteredSession& client, uint16_t port, uint16_t trains) {
+/// Bytes on the wire, to this client, from just before the storm until it has long been told: `quiet_s` after it has come.
+uint64_t bytes_of_storm(MeteredSession& client, uint16_t port, const std::string& world,
+                        const StartWind& wind, double quiet_s) {
     const size_t boxes = client.session->snapshot()->interest->boxes.size();
     const uint64_t before = client.counts().on_the_wire();
-    const SteadyTime begin = std::chrono::steady_clock::now();
-    direct(port, storm(trains));
+    direct(port, world, wind);
     const bool told = client.session->wait_until(
-        [&] { return client.session->snapshot()->interest->boxes.size() > boxes; }, std::chrono::seconds(10));
+        [&] { return client.session->snapshot()->interest->boxes.size() > boxes; }, std::chrono::seconds(60));
     if (!told) throw OperatorError("the storm never reached the client");
-    sleep_until(begin, 4.0);
+    sleep_until(std::chrono::steady_clock::now(), quiet_s);
     return client.counts().on_the_wire() - before;
+}
+
+/// What the land blocks of this state take in messages, in order of their fields and places.
+uint64_t bytes_of_fields(const InterestState& state) {
+    Delta delta;
+    delta.result = 1;
+    const size_t without = encode(ServerMessage(delta)).size();
+    uint64_t bytes = 0;
+    for (const auto& [key, block] : state.blocks) {
+        delta.change.blocks = {block};
+        bytes += encode(ServerMessage(delta)).size() - without;
+    }
+    return bytes;
+}
+
+struct CoastStorm {
+    size_t patches = 0;
+    size_t blocks = 0;
+    uint64_t first_view = 0;  // terrain and fields with it
+    uint64_t bytes = 0;
+    uint64_t fields = 0;  // of these
+    uint64_t apart() const { return bytes - std::min(bytes, fields); }
+};
+
+/// A storm of 100 trains over the Isles of Scilly, seen from the sea west of them.
+CoastStorm storm_at_the_coast() {
+    const ServerProcess server(TROCHOID_SOURCE_DIR "/server/scenes/scilly/scene.toml",
+                               {"--log-level", "warn"});
+    MeteredSession client(server.port(), sea_camera(-9000, 0, 90));
+    CoastStorm out;
+    // Terrain comes after the first result: until half a second brings nothing more.
+    for (uint64_t last = 0; client.counts().on_the_wire() != last;) {
+        last = client.counts().on_the_wire();
+        sleep_until(std::chrono::steady_clock::now(), 0.45);
+    }
+    out.first_view = client.counts().on_the_wire();
+    const uint64_t fields_before = bytes_of_fields(*client.session->snapshot()->interest);
+    const size_t blocks_before = client.session->snapshot()->interest->blocks.size();
+    StartWind wind = storm(100);
+    wind.origin = {to_lattice(-9300.0), to_lattice(0.0)};
+    wind.fetch = to_lattice(60000.0);
+    wind.width = to_lattice(30000.0);
+    out.bytes = bytes_of_storm(client, server.port(), "scilly", wind, 6.0);
+    out.patches = client.patches();
+    out.blocks = client.session->snapshot()->interest->blocks.size() - blocks_before;
+    out.fields = bytes_of_fields(*client.session->snapshot()->interest) - fields_before;
+    return out;
 }
 
 double bytes_a_train(const InterestState& state) {
@@ -154,7 +200,8 @@ void measure(Report& report) {
     sleep_until(begin, warm_up_s + still_s);
     const TcpCounts still_after = still.counts();
     const double still_kbit = kbit(still_after.on_the_wire() - still_before.on_the_wire(), still_s);
-    const uint64_t storm_bytes = bytes_of_storm(still, server.port(), 100);
+    const uint64_t storm_bytes = bytes_of_storm(still, server.port(), "open water", storm(100), 4.0);
+    const CoastStorm coast = storm_at_the_coast();
 
     fmt::print("first view: {} patches, {} trains, {} bytes on the wire\n", still.patches(), 60, first);
     fmt::print("static camera: {:.2f} kbit/s over {:.0f} s ({} bytes up, {} down, {} segments)\n", still_kbit,
@@ -171,6 +218,10 @@ void measure(Report& report) {
     say("30 m/s straight ahead", ahead);
     say("30 m/s, turning by 60 degrees in 5 s", yaw);
     fmt::print("storm of 100 trains: {} bytes on the wire\n", storm_bytes);
+    fmt::print(
+        "the same off the coast of Scilly: {} patches; {} bytes on the wire, {} of them {} land blocks, {} without; first "
+        "view, terrain included: {} bytes\n",
+        coast.patches, coast.bytes, coast.fields, coast.blocks, coast.apart(), coast.first_view);
     const double train_bytes = bytes_a_train(*still.session->snapshot()->interest);
     const double p95 = percentile(ahead.windows, 0.95);
     fmt::print(
@@ -182,11 +233,16 @@ void measure(Report& report) {
     report.at_most("30 m/s, p95 of seconds", p95, 64.0, " kbit/s");
     report.at_least("patches in that flight", median(ahead.patches), 400);
     report.at_most("storm of 100 new trains", static_cast<double>(storm_bytes), 16384, " bytes");
+    report.at_most("the same at a coast, land blocks apart", static_cast<double>(coast.apart()), 16384,
+                   " bytes");
     report.at_most("a train's record", train_bytes, 28, " bytes");
     report.figure("static_kbit_per_s", still_kbit);
     report.figure("flight_p95_kbit_per_s", p95);
     report.figure("turning_flight_p95_kbit_per_s", percentile(yaw.windows, 0.95));
     report.figure("storm_bytes", static_cast<double>(storm_bytes));
+    report.figure("coast_storm_bytes", static_cast<double>(coast.bytes));
+    report.figure("coast_storm_field_bytes", static_cast<double>(coast.fields));
+    report.figure("coast_storm_field_blocks", static_cast<double>(coast.blocks));
     report.figure("train_bytes", train_bytes);
     report.figure("first_view_bytes", static_cast<double>(first));
     report.figure("field_over_flight", field_bits_per_second / 1000 / p95);

@@ -2,6 +2,7 @@
 #include <chrono>
 #include <functional>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -11,8 +12,11 @@ namespace trochoid::conformance {
 
 using Milliseconds = std::chrono::milliseconds;
 
-/// The program under test.
-enum class Side : uint8_t { server, client };
+/// What is under test: a program that serves or asks, or one's answers to the golden vectors.
+enum class Side : uint8_t { server, client, vectors };
+constexpr std::string_view name_of(Side side) {
+    return side == Side::server ? "server" : side == Side::client ? "client" : "vectors";
+}
 
 /// One run of one case: what its body may touch, and where it leaves what it saw. Each side derives its own.
 class Trial {

@@ -11,6 +11,7 @@ Catalogue whole_catalogue() {
     Catalogue all;
     server::add_stream_cases(all);
     server::add_front_cases(all);
+    server::add_tls_cases(all);
     server::add_buffer_cases(all);
     server::add_field_cases(all);
     server::add_session_cases(all);
@@ -19,6 +20,7 @@ Catalogue whole_catalogue() {
     server::add_evaluation_cases(all);
     server::add_terrain_cases(all);
     server::add_command_cases(all);
+    server::add_land_change_cases(all);
     server::add_login_cases(all);
     server::add_probe_cases(all);
     server::add_golden_cases(all);
@@ -27,12 +29,14 @@ Catalogue whole_catalogue() {
     client::add_buffer_cases(all);
     client::add_field_cases(all);
     client::add_result_field_cases(all);
+    client::add_patch_plane_cases(all);
     client::add_session_cases(all);
     client::add_clock_cases(all);
     client::add_result_cases(all);
     client::add_terrain_cases(all);
     client::add_return_cases(all);
     client::add_golden_cases(all);
+    client::add_evolution_cases(all);
     std::stable_sort(all.begin(), all.end(), [](const Case& a, const Case& b) {
         if (a.side != b.side) return a.side < b.side;
         return requirement_of_case(a.id) < requirement_of_case(b.id);

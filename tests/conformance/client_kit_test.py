@@ -9,6 +9,9 @@ import tempfile
 import unittest
 
 HERE = pathlib.Path(__file__).resolve().parent
+sys.path.insert(0, str(HERE / "mutants"))
+import client_mutants  # noqa: E402
+
 BIN = pathlib.Path(os.environ.get("TROCHOID_BIN", HERE.parents[1] / "build/release/bin")).resolve()
 KIT = BIN / "trochoid-conformance"
 PROBE = f"exec {shlex.quote(str(BIN / 'trochoid-probe'))} --connect {{address}} --point 0,0 --watch --every 0.5"
@@ -54,41 +57,47 @@ class SecondClient(Judged):
 
 
 class BadClients(Judged):
-    """A relay between the kit and trochoid-probe that spoils one thing."""
+    """Clients that break one requirement (mutants/): the kit fails them for that one. All of them: tests/bench/run R8."""
 
-    def spoilt(self, how, *cases):
-        """Ids that failed, with what the kit says of them."""
-        command = PROBE.replace("{address}", "{here}")
-        relay = f"exec {shlex.quote(sys.executable)} -B {shlex.quote(str(HERE / 'client_relay.py'))} {how} {{address}} {shlex.quote(command)}"
-        only = [word for case in cases for word in ("--only", case)]
-        judged, _ = self.verdicts(1, "--run", relay, "--timeout", 2, *only)
-        return {name: c["reason"] for name, c in judged.items() if c["verdict"] == "failed"}
+    def spoilt(self, name, requirement, *only):
+        """Ids that failed, with what the kit says of them; each for this requirement."""
+        report = client_mutants.judge(BIN, name, requirement, only, timeout_s=2, jobs=16)
+        failed = {c["id"]: c for c in report["cases"] if c["verdict"] == "failed"}
+        self.assertEqual({client_mutants.broken_of(c) for c in failed.values()}, {requirement} if requirement else set(), failed)
+        return {name: c["reason"] for name, c in failed.items()}
 
-    def test_goodbyes_swallowed(self):
-        failed = self.spoilt("no-goodbye", "R-116/ClockReply*", "R-116/SampleReply*", "R-102/word-*", "R-133/snapshot")
-        self.assertEqual(set(failed), {"R-116/SampleReply-nan", "R-116/SampleReply-infinite", "R-102/word-1", "R-102/word-max"})
+    def test_the_honest_relay(self):
+        self.spoilt("honest", "", "R-10*", "R-11[1-6]/*", "R-12*", "R-13*", "R-142/stamps", "R-15*", "R-2*")
+
+    def test_what_it_forgives(self):
+        failed = self.spoilt("client-forgives-116", "R-116", "R-116/*Reply*", "R-117/ClockReply*", "R-133/snapshot")
+        self.assertEqual(set(failed), {"R-116/SampleReply-nan", "R-116/SampleReply-infinite"})
         self.assertTrue(all("no goodbye came" in reason for reason in failed.values()), failed)
+        failed = self.spoilt("client-forgives-134", "R-134", "R-134/*", "R-121/two-hellos")
+        self.assertIn("R-134/piece-skipped", failed)
+        self.assertNotIn("R-134/pieces", failed)
 
     def test_acknowledgements_with_another_hash(self):
-        failed = self.spoilt("other-hash", "R-133/snapshot", "R-134/there-and-back", "R-116/SampleReply-nan")
+        failed = self.spoilt("client-other-hash", "R-133", "R-133/snapshot", "R-134/there-and-back", "R-116/SampleReply-nan")
         self.assertEqual(set(failed), {"R-133/snapshot", "R-134/there-and-back"})
-        self.assertTrue(all("R-133" in reason for reason in failed.values()), failed)
 
     def test_another_sea(self):
-        failed = self.spoilt("other-answer", "R-205/known-answer-*", "R-133/snapshot")
-        self.assertEqual(len(failed), 4, failed)
-        self.assertTrue(all("R-205" in reason for reason in failed.values()), failed)
+        failed = self.spoilt("client-other-sea", "R-205", "R-205/*", "R-133/snapshot")
+        self.assertEqual(set(failed), {f"R-205/known-answer-{count}" for count in (0, 1, 48, 100)})
 
     def test_sequences_that_stand_still(self):
-        failed = self.spoilt("same-sequence", "R-142/stamps", "R-101/*", "R-121/first-Delta")
-        self.assertIn("R-125", failed.get("R-142/stamps", ""))
-        self.assertEqual(len(failed), 1, failed)
+        failed = self.spoilt("client-same-sequence", "R-125", "R-142/stamps", "R-101/*", "R-121/first-Delta")
+        self.assertEqual(set(failed), {"R-142/stamps"})
 
     def test_no_magic(self):
+        failed = self.spoilt("client-no-magic", "R-101", "R-101/*", "R-133/snapshot")
+        self.assertEqual(set(failed), {"R-101/magic", "R-133/snapshot"})
+
+    def test_nobody_speaks(self):
         done = kit("--run", f"exec {sys.executable} -c \"import socket;h,p='{{address}}'.split(':');s=socket.create_connection((h,int(p)));"
-                   "s.sendall(b'GET / HTTP/1.1\\r\\n\\r\\n');s.recv(9)\"", "--only", "R-133/snapshot", "--timeout", 1)
+                   "s.close()\"", "--only", "R-133/snapshot", "--timeout", 1)
         self.assertEqual(done.returncode, 2, done.stdout)
-        self.assertIn("R-101", done.stderr)
+        self.assertIn("no client says hello", done.stderr)
 
     def test_a_crash(self):
         judged, _ = self.verdicts(1, "--run", PROBE.removeprefix("exec ") + "; kill -SEGV $$", "--only", "R-121/no-retry", "--timeout", 2)

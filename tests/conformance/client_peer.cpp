@@ -40,14 +40,16 @@ std::optional<ClientMessage> ClientPeer::receive(Milliseconds within) {
     if (!arrived) return std::nullopt;
     Result<ClientMessage> message = decode_client(arrived->payload);
     if (!message)
-        throw Failed{fmt::format("R-{}: the client's message of {} bytes is refused: {}",
-                                 requirement_of(message.error().code), arrived->payload.size(),
-                                 message.error().message)};
+        throw Failed{
+            fmt::format("R-{}: the client's message of {} bytes is refused: {}",
+                        goodbye_for_payload(message.error(), arrived->payload, client_identifier).requirement,
+                        arrived->payload.size(), message.error().message)};
     if (const auto may = expected(phase_, *message); !may)
         throw Failed{fmt::format("R-121: the client's message may not come now: {}", may.error().message)};
     if (const auto ascends = sequences_.accept(*message); !ascends)
         throw Failed{fmt::format("R-125: {}", ascends.error().message)};
     phase_ = phase_after(phase_, *message);
+    if (ours_.protocol != 0) conduct_.judge(*message, ours_, arrived->at_us);
     take(*message, arrived->at_us);
     if (answers_) answer(*message, arrived->at_us);
     return std::move(*message);
@@ -138,7 +140,12 @@ void ClientPeer::answer_probe(const Probe& probe) {
 }
 
 const ClientHello& ClientPeer::await_hello() {
-    if (!receive(patience_)) throw_missing("hello");
+    constexpr uint32_t slack_ms = 200;  // a machine that is busy delivers later
+    if (!receive(Milliseconds(Limits{}.hello_deadline_ms + slack_ms))) {
+        if (stream_.state() != Stream::State::open) throw_missing("hello");
+        throw Failed{
+            fmt::format("R-122: no hello came within {} ms of the connection", Limits{}.hello_deadline_ms)};
+    }
     if (!hello_) throw Failed{"R-121: the client's first message is no hello"};
     return *hello_;
 }
@@ -150,7 +157,7 @@ ServerHello ClientPeer::usual_hello() const {
     hello.schema_hash = schema_hash();
     hello.software = "trochoid-conformance";
     hello.session = 77;
-    hello.world = "conformance";
+    hello.world = kit_world;
     hello.instance.bytes.fill(instance_byte);
     hello.log_position = {log_length};
     hello.client_stamp_us = hello_->clock_stamp_us;
@@ -170,6 +177,7 @@ const ServerHello& ClientPeer::welcome(const std::function<void(ServerHello&)>& 
 const ServerHello& ClientPeer::welcome_now(const std::function<void(ServerHello&)>& change) {
     ours_ = usual_hello();
     change(ours_);
+    stream_.set_longest(ours_.limits.frame_after_login);
     send(ours_);
     if (ours_.resumed) result_ = 1;
     return ours_;

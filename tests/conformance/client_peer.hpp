@@ -7,9 +7,13 @@
 
 #include "protocol/codec/codec.hpp"
 #include "protocol/wire/session_rules.hpp"
+#include "tests/conformance/client_conduct.hpp"
 #include "tests/conformance/framed_stream.hpp"
 
 namespace trochoid::conformance {
+
+/// The world that clients under test come to.
+inline constexpr const char* kit_world = "conformance";
 
 /// For goodbyes whose requirement is not looked at.
 inline constexpr uint16_t any_due_requirement = UINT16_MAX;
@@ -86,6 +90,8 @@ public:
     /// The client ends the stream; what it says before is judged as always.
     void expect_end();
 
+    /// Nothing before it has come.
+    const std::optional<ClientHello>& said_hello() const { return hello_; }
     const ClientHello& hello() const { return *hello_; }
     const ServerHello& ours() const { return ours_; }
     const std::optional<Goodbye>& goodbye() const { return goodbye_; }
@@ -129,6 +135,7 @@ private:
     FramedStream stream_;
     SessionPhase phase_ = SessionPhase::awaiting_hello;
     SequenceRule sequences_;
+    ClientConduct conduct_;
     std::optional<ClientHello> hello_;
     std::optional<Goodbye> goodbye_;
     ServerHello ours_;

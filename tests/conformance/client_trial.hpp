@@ -58,12 +58,14 @@ void add_stream_cases(Catalogue& catalogue);
 void add_buffer_cases(Catalogue& catalogue);
 void add_field_cases(Catalogue& catalogue);
 void add_result_field_cases(Catalogue& catalogue);
+void add_patch_plane_cases(Catalogue& catalogue);
 void add_session_cases(Catalogue& catalogue);
 void add_result_cases(Catalogue& catalogue);
 void add_clock_cases(Catalogue& catalogue);
 void add_terrain_cases(Catalogue& catalogue);
 void add_return_cases(Catalogue& catalogue);
 void add_golden_cases(Catalogue& catalogue);
+void add_evolution_cases(Catalogue& catalogue);
 }  // namespace client
 
 }  // namespace trochoid::conformance

@@ -18,21 +18,27 @@ struct Arrived {
     int64_t at_us = 0;
 };
 
-/// Frames over a stream, for either side; sends whatever it is told to, also what is wrong.
+/// Payloads over a stream, for either side; sends whatever it is told to, also what is wrong. A WebSocket has neither magic nor frames:
+/// cases that send or read bytes of their own are skipped there.
 class FramedStream {
 public:
     /// `opening`: what we read (frames from a server, the magic first from a client). `longest`: payload that the other side may send.
     FramedStream(std::unique_ptr<Stream> stream, FrameReader::Opening opening, uint32_t longest);
 
-    /// As they are. False where the other side takes nothing more.
+    /// False where the other side takes nothing more, as below.
+    bool send_magic();
+    /// As they are.
     bool send_bytes(std::span<const uint8_t> bytes);
-    /// The payload behind its header.
+    /// The payload behind its header, or as a message.
     bool send_frame(std::span<const uint8_t> payload);
     /// The next frame; nothing where none came in time or the stream has ended. Failed where the bytes break.
     std::optional<Arrived> next(Milliseconds within);
     /// Bytes as they are, whatever comes next; nothing where none came in time or the stream has ended.
     Bytes next_bytes(Milliseconds within);
-    void set_longest(uint32_t longest) { frames_.set_longest(longest); }
+    void set_longest(uint32_t longest) {
+        longest_ = longest;
+        frames_.set_longest(longest);
+    }
 
     Stream::State state() const { return stream_->state(); }
     /// The stream may end here: no frame is begun.
@@ -45,8 +51,12 @@ public:
     uint64_t bytes_sent() const { return bytes_sent_; }
 
 private:
+    bool sent(bool taken, size_t bytes);
+    std::optional<Arrived> next_message(Milliseconds within);
+
     std::unique_ptr<Stream> stream_;
     FrameReader frames_;
+    uint32_t longest_ = 0;
     std::vector<uint8_t> chunk_;
     std::span<const uint8_t> unread_;
     int64_t read_at_us_ = 0;

@@ -21,6 +21,8 @@ public:
     const InterestState& state() const { return state_; }
     uint64_t hash() const { return hash_; }
     uint32_t result() const { return result_; }
+    /// No result has begun that has not come whole: the state is that of the last one.
+    bool between_results() const { return whole_; }
     /// The last piece of the last whole result.
     const std::optional<Delta>& last() const { return last_; }
     /// Pieces and snapshots so far, and whether the last whole result was one.

@@ -37,7 +37,7 @@ class Server:
         with open(self.log_file, "wb") as log:
             self.process = subprocess.Popen(
                 [BIN / "trochoid-server", "--scene", SOURCE / "server/scenes" / scene / "scene.toml", "--port", "0", "--port-file", port_file,
-                 "--token-key", f"{self.key}.pub", *options], stdin=subprocess.DEVNULL, stdout=log, stderr=log)
+                 "--token-key", f"{self.key}.pub", "--logins-per-address", "0", *options], stdin=subprocess.DEVNULL, stdout=log, stderr=log)
         deadline = time.monotonic() + PATIENCE_S
         while not (port_file.exists() and port_file.read_text().strip()):
             if self.process.poll() is not None or time.monotonic() > deadline:
@@ -90,6 +90,93 @@ class OwnServer(unittest.TestCase):
 
     def test_a_scene_with_land(self):
         self.passes("harbour")
+
+
+class Transports(unittest.TestCase):
+    """The same cases over each way to a server."""
+
+    def test_every_way(self):
+        with tempfile.TemporaryDirectory() as folder:
+            certificate, key = f"{folder}/cert.pem", f"{folder}/key.pem"
+            subprocess.run(["openssl", "req", "-x509", "-newkey", "ec", "-pkeyopt", "ec_paramgen_curve:P-256", "-nodes", "-days", "2",
+                            "-subj", "/CN=localhost", "-addext", "subjectAltName=IP:127.0.0.1,DNS:localhost", "-keyout", key, "-out",
+                            certificate], check=True, capture_output=True)
+            with Server("open-sea", "--tls-cert", certificate, "--tls-key", key) as server:
+                for scheme, trust in (("tls", ("--ca", certificate)), ("ws", ()), ("wss", ("--ca", certificate))):
+                    with self.subTest(scheme=scheme):
+                        self.passes(f"{scheme}://{server.address}", trust, server.key)
+                nobody = kit("server", "--connect", f"tls://{server.address}", "--only", "R-106/*")
+                self.assertEqual(nobody.returncode, 2, "a certificate of our own is trusted by nobody else")
+                self.assertIn("self-signed", nobody.stderr)
+
+    def passes(self, address, trust, key):
+        chosen = [word for glob in ("R-10*", "R-121/*", "R-133/*", "R-142/*", "R-204/place") for word in ("--only", glob)]
+        with tempfile.TemporaryDirectory() as folder:
+            report = pathlib.Path(folder) / "r.json"
+            done = kit("server", "--connect", address, *trust, "--sign-with", key, "--quiet", "--json", report, *chosen)
+            self.assertEqual(done.returncode, 0, done.stdout[-4000:] + done.stderr)
+            cases = json.loads(report.read_text())["cases"]
+        skipped = [c for c in cases if c["verdict"] == "skipped"]
+        for word, count in (("frames of a plain stream", 10 if address.startswith("ws") else 0), ("needs TLS", 0 if trust else 10)):
+            found = [c["id"] for c in skipped if word in c["reason"]]
+            self.assertGreaterEqual(len(found), count, address)
+            self.assertTrue(count or not found, found)
+        self.assertGreater(sum(c["verdict"] == "passed" for c in cases), 80)
+
+
+class Vectors(unittest.TestCase):
+    """Golden vectors out of the program alone, and the second client as the stranger that reproduces them."""
+    STRANGER = SOURCE / "tests/conformance/python/golden_check.py"
+
+    def answers(self, *groups):
+        questions = kit("vectors", "--questions", *groups).stdout
+        done = subprocess.run(["/usr/bin/python3", "-B", self.STRANGER], input=questions, capture_output=True, text=True, timeout=PATIENCE_S)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        return done.stdout
+
+    def judged(self, answers, *arguments):
+        return subprocess.run([KIT, "check-vectors", "-", *map(str, arguments)], input=answers, capture_output=True, text=True,
+                              timeout=PATIENCE_S)
+
+    def test_they_are_the_files(self):
+        printed = kit("vectors").stdout
+        for name in ("wire_messages", "sea", "edges", "fields", "wire_clock"):
+            self.assertIn((SOURCE / f"tests/golden/{name}.txt").read_text(), printed)
+        self.assertEqual(kit("vectors", "clock").stdout, "vectors clock\n" + (SOURCE / "tests/golden/wire_clock.txt").read_text())
+
+    def test_the_second_client_reproduces_them(self):
+        groups = ["evaluation", "fields", "clock"]
+        if subprocess.run(["/usr/bin/python3", "-c", "import flatbuffers"], capture_output=True).returncode == 0:
+            groups.append("encoding")
+        with tempfile.TemporaryDirectory() as folder:
+            folder = pathlib.Path(folder)
+            done = self.judged(self.answers(*groups), *groups, "--json", folder / "r.json", "--junit", folder / "r.xml", "--html",
+                               folder / "r.html")
+            self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+            report = json.loads((folder / "r.json").read_text())
+            self.assertEqual(report["side"], "vectors")
+            self.assertTrue({"R-142", "R-201", "R-202", "R-203", "R-204", "R-205"} <= set(report["requirements"]))
+            listed = kit("check-vectors", "-", *groups, "--list").stdout.split()
+            self.assertEqual(sorted(c["id"] for c in report["cases"]), sorted(listed))
+            self.assertEqual(int(xml.etree.ElementTree.parse(folder / "r.xml").getroot().get("tests")), len(listed))
+            self.assertIn("R-205/fields-land", (folder / "r.html").read_text())
+
+    def test_a_wrong_bit_and_a_missing_line(self):
+        lines = self.answers("evaluation", "fields", "clock").splitlines()
+        bent = next(i for i, line in enumerate(lines) if line.startswith("land "))
+        lines[bent] = lines[bent][:-1] + ("0" if lines[bent][-1] != "0" else "1")
+        del lines[next(i for i, line in enumerate(lines) if line.startswith("reading "))]
+        done = self.judged("\n".join(lines), "evaluation", "fields", "clock", "--quiet")
+        self.assertEqual(done.returncode, 1, done.stdout)
+        self.assertIn("R-205/fields-land  failed", done.stdout)
+        self.assertIn("R-142/clock-reading  failed", done.stdout)
+        self.assertIn("2 failed", done.stdout)
+
+    def test_what_is_no_answer(self):
+        for answers in ("sincos 0 0 0\n", "vectors nothing\n", "vectors sea\nsincos 77 0 0\n", "vectors fields\nland 1 0\n"):
+            done = self.judged(answers)
+            self.assertEqual(done.returncode, 2, answers)
+            self.assertEqual(len(done.stderr.splitlines()), 1, done.stderr)
 
 
 class Pretender:

@@ -6,7 +6,9 @@
 #include <ctime>
 #include <fstream>
 #include <functional>
+#include <iostream>
 #include <memory>
+#include <utility>
 
 #include "protocol/model/self_check.hpp"
 #include "protocol/units/error_code.hpp"
@@ -14,10 +16,12 @@
 #include "protocol/units/version.hpp"
 #include "tests/conformance/client_trial.hpp"
 #include "tests/conformance/framed_stream.hpp"
+#include "tests/conformance/golden_vectors.hpp"
 #include "tests/conformance/options.hpp"
 #include "tests/conformance/report.hpp"
 #include "tests/conformance/runner.hpp"
 #include "tests/conformance/server_trial.hpp"
+#include "tests/conformance/vector_answers.hpp"
 #include "tests/conformance/witness.hpp"
 
 namespace trochoid::conformance {
@@ -30,9 +34,9 @@ bool chosen(const Case& it, const Options& options) {
            std::none_of(options.except.begin(), options.except.end(), fits);
 }
 
-Catalogue chosen_cases(const Options& options) {
+Catalogue chosen_cases(const Options& options, Catalogue all) {
     Catalogue cases;
-    for (Case& it : whole_catalogue())
+    for (Case& it : all)
         if (chosen(it, options)) cases.push_back(std::move(it));
     if (cases.empty()) throw OperatorError("no case fits --only and --except: see --list");
     return cases;
@@ -96,7 +100,7 @@ int test_server(Options& options) {
     self_check();
     Target& target = options.target;
     RunPlan plan;
-    plan.cases = chosen_cases(options);
+    plan.cases = chosen_cases(options, whole_catalogue());
     try {
         explore(target);
     } catch (const Failed& failed) {
@@ -118,11 +122,39 @@ int test_server(Options& options) {
     });
 }
 
+/// Who comes, before any case. One whose first words break the standard fails case by case; where nobody speaks, OperatorError.
+void look_at_client(const ClientTarget& target, Report& report) {
+    constexpr Milliseconds long_enough{10'000};
+    const auto nobody = [](const std::string& reason) {
+        return OperatorError(fmt::format("no client says hello: {}: check --run or --listen", reason));
+    };
+    ClientTrial trial(target);
+    ClientPeer* peer = nullptr;
+    try {
+        peer = &trial.accept();
+    } catch (const Failed& failed) {
+        throw nobody(failed.reason);
+    }
+    try {
+        peer->receive(long_enough);
+        if (!peer->said_hello())
+            throw nobody(
+                fmt::format("nothing came within {} s: {}", long_enough.count() / 1000, trial.last_words()));
+        const ClientHello& hello = peer->hello();
+        report.software = hello.software;
+        report.world =
+            fmt::format("protocol {} to {}, model {}", hello.protocol_min, hello.protocol_max, hello.model);
+    } catch (const Failed& failed) {
+        report.software = "a client without a valid hello";
+        report.world = failed.reason;
+    }
+}
+
 int test_client(Options& options) {
     self_check();
     ClientTarget& target = options.client;
     RunPlan plan;
-    plan.cases = chosen_cases(options);
+    plan.cases = chosen_cases(options, whole_catalogue());
     if (target.command.empty()) {
         target.gate = std::make_shared<Listener>(options.listen);
         fmt::print("Start the client against {}, again and again: each case wants a connection of its own\n",
@@ -134,15 +166,7 @@ int test_client(Options& options) {
     Report report;
     report.side = Side::client;
     report.target = target.command.empty() ? to_text(target.gate->address()) : target.command;
-    try {
-        ClientTrial trial(target);
-        const ClientHello& hello = trial.accept().await_hello();
-        report.software = hello.software;
-        report.world =
-            fmt::format("protocol {} to {}, model {}", hello.protocol_min, hello.protocol_max, hello.model);
-    } catch (const Failed& failed) {
-        throw OperatorError(fmt::format("no client says hello: {}: check --run or --listen", failed.reason));
-    }
+    look_at_client(target, report);
     plan.trial = [&] { return std::make_unique<ClientTrial>(target); };
     plan.still_serves = [] {};
     return carry_out(plan, report, options, [] {
@@ -150,13 +174,59 @@ int test_client(Options& options) {
     });
 }
 
+/// Golden vectors as cases; with what was judged of each, where it was.
+Catalogue vector_catalogue(const std::vector<VectorCase>& cases, const std::vector<Outcome>& judged = {}) {
+    Catalogue all;
+    for (size_t i = 0; i < cases.size(); ++i) {
+        Case& made = all.emplace_back();
+        made.id = cases[i].id;
+        made.title = cases[i].title;
+        made.side = Side::vectors;
+        if (judged.empty()) continue;
+        made.body = [outcome = judged[i]](Trial& trial) {
+            for (const std::string& note : outcome.notes) trial.note(note);
+            if (outcome.verdict == Verdict::failed) throw Failed{outcome.reason};
+        };
+    }
+    return all;
+}
+
+int check_vectors(Options& options) {
+    const bool piped = options.answers == "-";
+    const std::vector<VectorCase> cases = vector_cases(options.groups);
+    std::ifstream file;
+    if (!piped) file.open(options.answers, std::ios::binary);
+    if (!piped && !file) throw OperatorError(fmt::format("cannot read {}: check the path", options.answers));
+    const std::string name = piped ? "standard input" : options.answers;
+    RunPlan plan;
+    plan.cases =
+        chosen_cases(options, vector_catalogue(cases, judge_answers(piped ? std::cin : file, name, cases)));
+    Report report;
+    report.side = Side::vectors;
+    report.target = name;
+    report.software = "What was answered";
+    report.world = fmt::format("protocol {}, model {}", protocol_version_max, model_version);
+    plan.trial = [] { return std::make_unique<Trial>(); };
+    plan.still_serves = [] {};
+    options.jobs = 1;
+    return carry_out(plan, report, options,
+                     [] { return std::string("Every line was compared to the bit."); });
+}
+
 int run_program(int argc, char** argv) {
     auto options = read_options(argc, argv);
     if (!options) return 0;
-    if (options->list) {
-        for (const Case& it : chosen_cases(*options)) fmt::print("{}\n", it.id);
+    if (options->print_vectors) {
+        fmt::print("{}", vectors_text(options->groups, options->questions));
         return 0;
     }
+    if (options->list) {
+        Catalogue all = options->side == Side::vectors ? vector_catalogue(vector_cases(options->groups))
+                                                       : whole_catalogue();
+        for (const Case& it : chosen_cases(*options, std::move(all))) fmt::print("{}\n", it.id);
+        return 0;
+    }
+    if (options->side == Side::vectors) return check_vectors(*options);
     return options->side == Side::client ? test_client(*options) : test_server(*options);
 }
 

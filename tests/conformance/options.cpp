@@ -8,6 +8,7 @@
 #include "protocol/login/key_file.hpp"
 #include "protocol/units/operator_error.hpp"
 #include "protocol/units/version.hpp"
+#include "tests/conformance/golden_vectors.hpp"
 
 namespace trochoid::conformance {
 
@@ -42,10 +43,11 @@ void add_common(CLI::App& app, Options& options) {
                  "A case on that list may pass (else that is a failure: the list is out of date)");
 }
 
-void add_server(CLI::App& app, Options& options, std::string& address, std::string& token_file,
-                std::string& key_file, double& timeout_s, double& longest_s) {
+void add_server(CLI::App& app, Options& options, std::string& address, std::string& ca_file,
+                std::string& token_file, std::string& key_file, double& timeout_s, double& longest_s) {
     add_common(app, options);
-    app.add_option("--connect", address, "Where the server listens: HOST:PORT")->capture_default_str();
+    app.add_option("--connect", address, connect_help)->capture_default_str();
+    app.add_option("--ca", ca_file, ca_help);
     app.add_option("--token-file", token_file,
                    "File with a token in its first line, for servers that take one more than once");
     app.add_option(
@@ -91,6 +93,28 @@ CLI::App* add_client(CLI::App& app, Options& options, double& timeout_s, double&
     return client;
 }
 
+/// Subcommands about golden vectors.
+struct VectorCommands {
+    CLI::App* print;
+    CLI::App* check;
+};
+VectorCommands add_vectors(CLI::App& app, Options& options) {
+    const auto add_groups = [&](CLI::App& to) {
+        to.add_option("groups", options.groups, "Which (all)")->check(CLI::IsMember(vector_groups()));
+    };
+    CLI::App* print =
+        app.add_subcommand("vectors", "Prints the golden vectors that every program has to reproduce");
+    print->add_flag("--questions", options.questions,
+                    "Leave the answers out, for a program that fills them in");
+    add_groups(*print);
+    CLI::App* check =
+        app.add_subcommand("check-vectors", "Compares a program's answers to the golden vectors, to the bit");
+    check->add_option("answers", options.answers, "File of the answers; -: standard input")->required();
+    add_groups(*check);
+    add_common(*check, options);
+    return {print, check};
+}
+
 Milliseconds milliseconds(double seconds) { return Milliseconds(static_cast<int64_t>(seconds * 1000.0)); }
 
 }  // namespace
@@ -98,6 +122,7 @@ Milliseconds milliseconds(double seconds) { return Milliseconds(static_cast<int6
 std::optional<Options> read_options(int argc, char** argv) {
     Options options;
     std::string address = default_server;
+    std::string ca_file;
     std::string token_file;
     std::string key_file;
     double timeout_s = 5.0;
@@ -110,8 +135,9 @@ std::optional<Options> read_options(int argc, char** argv) {
         "Example:\n  trochoid-conformance server --connect 127.0.0.1:7421 --token-file token --html report.html\n"
         "Exit: 0 it conforms, 1 it does not, 2 bad options or files, or nothing could be tested.");
     add_server(*app.add_subcommand("server", "Tests a server: connects to it as its clients would"), options,
-               address, token_file, key_file, timeout_s, longest_s);
+               address, ca_file, token_file, key_file, timeout_s, longest_s);
     const CLI::App* client = add_client(app, options, timeout_s, longest_s);
+    const VectorCommands vectors = add_vectors(app, options);
     try {
         app.parse(argc, argv);
     } catch (const CLI::Success& wish) {
@@ -122,6 +148,11 @@ std::optional<Options> read_options(int argc, char** argv) {
     }
     options.client.patience = milliseconds(timeout_s);
     options.client.longest_wait = milliseconds(longest_s);
+    options.print_vectors = vectors.print->parsed();
+    if (vectors.print->parsed() || vectors.check->parsed()) {
+        options.side = Side::vectors;
+        return options;
+    }
     if (client->parsed()) {
         options.side = Side::client;
         if (options.client.command.empty() && options.listen == 0 && !options.list)
@@ -129,10 +160,7 @@ std::optional<Options> read_options(int argc, char** argv) {
                 "say how the client is started (--run 'PROGRAM {address}') or where it will come (--listen PORT)");
         return options;
     }
-    options.target.server = parse_endpoint(address);
-    if (options.target.server.transport != Transport::tcp)
-        throw OperatorError(
-            "the kit speaks to a server's plain port and tries HTTP and WebSockets there by itself: give --connect HOST:PORT");
+    options.target.server = endpoint_from_options(address, ca_file);
     options.target.patience = milliseconds(timeout_s);
     options.target.longest_wait = milliseconds(longest_s);
     if (!token_file.empty()) options.target.tokens = Tokens(first_line_of(token_file));

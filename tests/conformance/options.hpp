@@ -15,6 +15,10 @@ struct Options {
     uint16_t listen = 0;              ///< client, started by hand: where the kit listens
     std::vector<std::string> only;    ///< globs of case ids; empty: all
     std::vector<std::string> except;  ///< globs of case ids left out
+    bool print_vectors = false;       ///< print golden vectors, test nothing
+    bool questions = false;           ///< … without their answers
+    std::vector<std::string> groups;  ///< golden vectors: which; none: all
+    std::string answers;              ///< golden vectors: file of a stranger's answers, "-": standard input
     bool list = false;
     bool quiet = false;
     std::string junit;

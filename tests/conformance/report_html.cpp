@@ -107,8 +107,8 @@ std::string html_of(const Report& report) {
         "content=\"width=device-width,initial-scale=1\"><title>{0} {1}</title>{2}</head><body><main>\n<h1>{0} <span "
         "class=\"{3}\">{1}</span></h1>\n<div class=\"soft\">{4} at {5} · {6} · {7} · {8}</div>\n",
         escaped(report.software), good ? "conforms" : "does not conform", style, good ? "passed" : "failed",
-        report.side == Side::server ? "server" : "client", escaped(report.target), escaped(report.world),
-        escaped(report.kit), escaped(report.started));
+        name_of(report.side), escaped(report.target), escaped(report.world), escaped(report.kit),
+        escaped(report.started));
     const auto number = [](int count) { return std::to_string(count); };
     text += "<div class=\"cards\">" + card(std::to_string(report.outcomes.size()), "cases") +
             card(number(tally.of(Verdict::passed)), "passed", "passed") +

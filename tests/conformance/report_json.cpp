@@ -30,7 +30,7 @@ Json sums_of(const Tally& tally) {
 
 std::string json_of(const Report& report) {
     Json json{{"format", "trochoid-conformance 1"},
-              {"side", report.side == Side::server ? "server" : "client"},
+              {"side", name_of(report.side)},
               {"target", report.target},
               {"software", report.software},
               {"world", report.world},

@@ -61,8 +61,7 @@ std::string junit_of(const Report& report) {
     return fmt::format(
         "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuites name=\"trochoid-conformance {}\" tests=\"{}\" "
         "failures=\"{}\" errors=\"0\" skipped=\"{}\" time=\"{:.6f}\">\n{}</testsuites>\n",
-        report.side == Side::server ? "server" : "client", report.outcomes.size(), failures, skipped,
-        seconds(report.took_us), body);
+        name_of(report.side), report.outcomes.size(), failures, skipped, seconds(report.took_us), body);
 }
 
 }  // namespace trochoid::conformance

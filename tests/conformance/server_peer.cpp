@@ -11,15 +11,16 @@ namespace trochoid::conformance {
 
 namespace {
 
-// After its goodbye a server has this long to end the stream.
+// After its goodbye a server has this long to end the stream; without one its end is due already.
 constexpr Milliseconds end_patience{3000};
+constexpr Milliseconds overdue_patience{300};
 
 }  // namespace
 
-ServerPeer::ServerPeer(const Target& target, Trial& trial)
+ServerPeer::ServerPeer(const Target& target, Trial& trial, Way way)
     : target_(target),
       trial_(trial),
-      stream_(connect_tcp(target.server, target.patience), FrameReader::Opening::frames,
+      stream_(stream_by(target.server, way, target.patience), FrameReader::Opening::frames,
               Limits{}.frame_to_client) {}
 
 ClientHello ServerPeer::usual_hello() {
@@ -65,6 +66,8 @@ std::optional<ServerMessage> ServerPeer::receive(Milliseconds within) {
         throw Failed{fmt::format("R-{}: the server's message of {} bytes is refused: {}",
                                  requirement_of(message.error().code), arrived->payload.size(),
                                  message.error().message)};
+    if (hello_ && hello_->protocol < 3 && std::holds_alternative<ProbeReply>(*message))
+        throw Failed{"R-175: a message of version 3 comes in a session of version 2"};
     if (const auto may = expected(phase_, *message); !may)
         throw Failed{fmt::format("R-121: the server's message may not come now: {}", may.error().message)};
     phase_ = phase_after(phase_, *message);
@@ -207,8 +210,9 @@ CloseReport ServerPeer::await_end(int64_t sent_at_us) {
         report.requirement = goodbye_->requirement;
         report.sentence = goodbye_->message;
     }
-    const Deadline deadline(end_patience);
-    if (stream_.next(deadline.left())) throw Failed{"R-121: a message follows the server's goodbye"};
+    const Deadline deadline(goodbye_ ? end_patience : overdue_patience);
+    while (stream_.next(deadline.left()))
+        if (goodbye_) throw Failed{"R-121: a message follows the server's goodbye"};
     switch (stream_.state()) {
         case Stream::State::open: report.verdict = CloseVerdict::left_open; break;
         case Stream::State::reset: report.verdict = CloseVerdict::reset; break;

@@ -19,14 +19,14 @@ inline constexpr uint16_t any_requirement = UINT16_MAX;
 /// on its way in: Failed, with the requirement, where it is wrong.
 class ServerPeer {
 public:
-    ServerPeer(const Target& target, Trial& trial);
+    ServerPeer(const Target& target, Trial& trial, Way way = Way::whole);
     ServerPeer(const ServerPeer&) = delete;
     ServerPeer& operator=(const ServerPeer&) = delete;
     ~ServerPeer() = default;
 
     // ---- out ----
     bool send_bytes(std::span<const uint8_t> bytes) { return stream_.send_bytes(bytes); }
-    bool send_magic() { return stream_.send_bytes(stream_magic); }
+    bool send_magic() { return stream_.send_magic(); }
     /// Any bytes as one frame.
     bool send_payload(std::span<const uint8_t> payload) { return stream_.send_frame(payload); }
     bool send(const ClientMessage& message) { return send_payload(encode(message)); }

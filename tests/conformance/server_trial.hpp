@@ -14,7 +14,7 @@ public:
 
     const Target& target() const { return target_; }
     /// A new connection; nothing has been sent.
-    ServerPeer& connect() { return peers_.emplace_back(target_, *this); }
+    ServerPeer& connect(Way way = Way::whole) { return peers_.emplace_back(target_, *this, way); }
     /// A new session.
     ServerPeer& log_in(const ClientHello& hello = ServerPeer::usual_hello()) {
         ServerPeer& peer = connect();
@@ -48,6 +48,8 @@ inline Case server_case(std::string id, std::string title, ServerBody body) {
 namespace server {
 void add_stream_cases(Catalogue& catalogue);
 void add_front_cases(Catalogue& catalogue);
+void add_tls_cases(Catalogue& catalogue);
+void add_land_change_cases(Catalogue& catalogue);
 void add_session_cases(Catalogue& catalogue);
 void add_clock_cases(Catalogue& catalogue);
 void add_result_cases(Catalogue& catalogue);

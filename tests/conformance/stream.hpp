@@ -2,8 +2,10 @@
 #include <chrono>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "client/net/endpoint.hpp"
 #include "tests/conformance/case.hpp"
@@ -29,6 +31,11 @@ public:
     virtual void finish() = 0;
     /// Ends the stream at once with a reset.
     virtual void abort() = 0;
+
+    /// Whole payloads travel one by one, without magic and frame headers (WebSocket): they alone are read and written then.
+    virtual bool keeps_messages() const { return false; }
+    virtual bool write_message(std::span<const uint8_t> /*payload*/) { return false; }
+    virtual std::optional<std::vector<uint8_t>> read_message(Milliseconds /*within*/) { return std::nullopt; }
 };
 
 /// Connects over TCP (TCP_NODELAY). Failed where nothing listens.

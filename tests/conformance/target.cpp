@@ -4,8 +4,24 @@
 #include <chrono>
 
 #include "tests/conformance/server_trial.hpp"
+#include "tests/conformance/tls_stream.hpp"
+#include "tests/conformance/web_stream.hpp"
 
 namespace trochoid::conformance {
+
+std::unique_ptr<Stream> stream_by(const Endpoint& server, Way way, Milliseconds within) {
+    auto stream = connect_tcp(server, within);
+    if (is_encrypted(server.transport) && way != Way::plain) {
+        TlsOffer offer;
+        offer.host = server.host;
+        offer.ca_file = server.ca_file;
+        if (is_web(server.transport)) offer.protocols = {"http/1.1"};
+        stream = begin_tls(std::move(stream), offer, within);
+    }
+    if (is_web(server.transport) && way == Way::whole)
+        stream = begin_web(std::move(stream), host_and_port(server), within);
+    return stream;
+}
 
 ViewState view_of_sky() {
     constexpr float half_turn = 0.70710678F;  // sine and cosine of an eighth of a turn: looks straight up

@@ -1,4 +1,5 @@
 #pragma once
+#include <memory>
 #include <optional>
 #include <string>
 #include <utility>
@@ -8,7 +9,7 @@
 #include "protocol/codec/messages.hpp"
 #include "protocol/login/login_token.hpp"
 #include "protocol/login/signing_key.hpp"
-#include "tests/conformance/case.hpp"
+#include "tests/conformance/stream.hpp"
 
 namespace trochoid::conformance {
 
@@ -35,6 +36,15 @@ private:
 UnixSeconds unix_now();
 /// A token that a server has to take once, now.
 LoginToken usual_token(Role role, const std::string& world);
+
+/// How far the way to a server goes that --connect tells.
+enum class Way : uint8_t {
+    whole,  ///< up to where messages of the protocol go
+    bytes,  ///< inside TLS where the address says so, but without a WebSocket
+    plain,  ///< TCP alone
+};
+/// A new connection. Failed where none comes about.
+std::unique_ptr<Stream> stream_by(const Endpoint& server, Way way, Milliseconds within);
 
 /// The server under test, and what a first look at it has told: cases take their places and limits from here.
 struct Target {

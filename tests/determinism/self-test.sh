@@ -38,7 +38,7 @@ expect() {
 }
 
 expect 0 '3 legs agree over 1 scenes' 'the same everywhere' "$honest_check" "$honest_trace"
-expect 0 'gcc-O0: build/determinism/batches/model-0.cpp compiles only file by file' 'files that cannot stand together' \
+expect 0 'gcc-O0: build/determinism/batches/sea-0.cpp compiles only file by file' 'files that cannot stand together' \
     "$honest_check" "$honest_trace"
 expect 1 'not one sea: s390x-O2 x1, s390x-O2 x2, s390x-O2 x7, s390x-O2 x16 (' 'byte order shows in the goldens' \
     'int main() { std::printf("%d\n", answer() + (std::endian::native == std::endian::big)); }' "$honest_trace"

@@ -96,7 +96,13 @@ std::vector<OldDirection> old_directions() {
                  return kind_of<wire_v2::ServerEnvelope>(b, wire_v2::ServerBody::MAX,
                                                          wire_v2::EnumNameServerBody);
              },
-             [](Dice& dice, size_t kind) { return encode(random_server_message(dice, kind)); }, server_kinds},
+             [](Dice& dice, size_t kind) {
+                 ServerMessage message = random_server_message(dice, kind);
+                 // As a server writes them in version 2.
+                 if (auto* delta = std::get_if<Delta>(&message)) delta->patch_form = PatchForm::lists;
+                 return encode(message);
+             },
+             server_kinds},
             {"event", schema_of(wire_v2::EventEnvelopeBinarySchema::data()),
              [](const Bytes& b) {
                  Verifier verifier(b.data(), b.size());

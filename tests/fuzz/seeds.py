@@ -54,7 +54,7 @@ def session():
 
 def store():
     server = dict(codec("server"))
-    order = ["hello", "delta", "delta_of_laden_boxes", "terrain_tile", "delta"]
+    order = ["hello", "delta", "delta_of_laden_boxes", "terrain_tile", "delta", "delta_of_patches"]
     whole = b"".join(frame(server[name]) for name in order)
     return [("fitting", b"\x01" + whole), ("as_sent", b"\x02" + whole), ("one_delta", b"\x03" + frame(server["hello"]) + frame(server["delta"]))]
 

@@ -2,21 +2,19 @@
 
 #include <fmt/format.h>
 
-#include <array>
+#include <algorithm>
 #include <bit>
 #include <istream>
-#include <map>
 #include <memory>
+#include <optional>
 #include <ostream>
 #include <set>
 #include <sstream>
 #include <vector>
 
-#include "protocol/model/point_query.hpp"
-#include "protocol/model/sea.hpp"
 #include "protocol/model/self_check.hpp"
-#include "protocol/model/sincos.hpp"
 #include "protocol/units/hash.hpp"
+#include "tests/golden/golden_text.hpp"
 
 namespace trochoid {
 
@@ -43,86 +41,6 @@ constexpr const char* head =
 # hash SEED COUNT HASH                     known-answer hash of the built-in reference sea (16 hex digits)
 )";
 
-std::string hex(float v) { return fmt::format("{:08x}", std::bit_cast<uint32_t>(v)); }
-
-std::array<float, 15> floats_of(const SurfaceSample& s) {
-    return {s.ax, s.ay, s.az, s.pxx, s.pxz, s.pzx, s.pzz, s.yx, s.yz, s.nx, s.ny, s.nz, s.vx, s.vy, s.vz};
-}
-
-std::string sincos_text(uint32_t phase) {
-    const SinCos v = sincos_turns(phase);
-    return hex(v.sin) + " " + hex(v.cos);
-}
-
-std::string wake_node_text(int system, size_t j) {
-    const WakeTable& table = wake_table();
-    const WakeNode& n = system == 0 ? table.transverse[j] : table.diverging[j];
-    return fmt::format("{} {} {} {}", n.phase, n.along, n.outwards, n.gain);
-}
-
-std::string sample_text(const Sea& sea, SeaTime t, LatticePoint p, Layers layers = authoritative_layers) {
-    std::string text;
-    for (const float v : floats_of(SeaInstant(sea, t, layers).evaluate(p)))
-        text += (text.empty() ? "" : " ") + hex(v);
-    return text;
-}
-
-std::string water_text(const Sea& sea, SeaTime t, LatticePoint p) {
-    const WaterPoint w = water_at(SeaInstant(sea, t), p);
-    std::string text;
-    for (const float v : {w.height, w.nx, w.ny, w.nz, w.vx, w.vy, w.vz}) text += hex(v) + " ";
-    return text + fmt::format("{} {}", w.rest.x, w.rest.z);
-}
-
-void write_features(std::ostream& out, const WaveTrainBox& b) {
-    for (const CourseLeg& l : b.course)
-        out << fmt::format("leg {} {} {} {} {} {}\n", l.from.us, l.duration_us, l.origin.x, l.origin.z, l.vx,
-                           l.vz);
-    for (const FieldOverlay& o : b.overlays)
-        out << fmt::format("overlay {} {}\n", o.field.value, o.base.value);
-    const IrregularHeight& i = b.irregular;
-    if (i != IrregularHeight{})
-        out << fmt::format("irregular {} {} {} {} {} {} {} {}\n", i.share, i.ukx, i.ukz, i.vkx, i.vkz,
-                           i.omega, i.phase_u, i.phase_v);
-    const SurfaceNoise& n = b.noise;
-    if (n != SurfaceNoise{})
-        out << fmt::format("noise {} {} {} {} {} {} {}\n", hex(n.amplitude), n.persistence, n.octaves,
-                           n.step_log2, n.period_log2, n.displayed_only ? 1 : 0, n.seed);
-    const ShipWake& w = b.wake;
-    if (w != ShipWake{})
-        out << fmt::format("wake {} {} {} {} {}\n", hex(w.transverse), hex(w.diverging), hex(w.choppiness),
-                           w.inverse_length, w.group_speed);
-}
-
-void write_field(std::ostream& out, const LandField& field) {
-    out << fmt::format("field {} {}\n", field.id().value, field.step_log2());
-    for (const auto& block : field.blocks()) {
-        out << fmt::format("block {} {}", block->key.x, block->key.z);
-        for (const int32_t v : block->shift) out << ' ' << v;
-        for (const uint16_t v : block->gain) out << ' ' << v;
-        for (const uint16_t v : block->orbit) out << ' ' << v;
-        out << '\n';
-    }
-}
-
-void write_records(std::ostream& out, const Sea& sea) {
-    std::set<uint32_t> written;
-    for (const auto& box : sea.boxes()) {
-        const WaveTrainBox& b = box->record;
-        out << fmt::format("box {} {} {} {} {} {} {} {} {} {} {} {} {} {} {} {} {} {} {} {}\n", b.id.value,
-                           b.first_train.value, b.origin.x, b.origin.z, b.ux, b.uz, b.length, b.width,
-                           b.ramp_rear, b.ramp_front, b.ramp_side, b.begin.us, b.build_up_us, b.end.us,
-                           b.decay_us, b.front_speed, b.gain_max, b.raised_us, b.fade_us, b.roundness);
-        write_features(out, b);
-        for (const WaveTrain& t : b.trains)
-            out << fmt::format("train {} {} {} {} {} {} {}\n", t.kx, t.kz, t.omega, t.phase, hex(t.amplitude),
-                               hex(t.choppiness), t.field.value);
-        for (const auto& top : box->fields)
-            for (const LandField* field = top.get(); field != nullptr; field = field->base().get())
-                if (written.insert(field->id().value).second) write_field(out, *field);
-    }
-}
-
 /// The sea as read from a file's records.
 struct Reader {
     std::vector<WaveTrainBox> boxes;
@@ -145,6 +63,29 @@ struct Reader {
         uint32_t word = 0;
         in >> std::hex >> word >> std::dec;
         return std::bit_cast<float>(word);
+    }
+
+    static WaveTrain train_from(std::istringstream& in) {
+        WaveTrain t;
+        in >> t.kx >> t.kz >> t.omega >> t.phase;
+        t.amplitude = float_from(in);
+        t.choppiness = float_from(in);
+        in >> t.field.value;
+        return t;
+    }
+
+    /// A field of the file, over another one or (base 0) alone; nothing where it is not there.
+    std::optional<LandField> field_over(FieldId id, FieldId base) const {
+        const auto found = [&](FieldId wanted) {
+            return std::find_if(fields.begin(), fields.end(),
+                                [&](const auto& f) { return f->id() == wanted; });
+        };
+        const auto top = found(id);
+        const auto below = found(base);
+        if (top == fields.end() || (base.value != 0 && below == fields.end())) return std::nullopt;
+        LandField field(**top);
+        if (base.value != 0) field.set_base(*below);
+        return field;
     }
 
     /// True where the kind is one of a box's features (read, or failed to be).
@@ -190,13 +131,7 @@ struct Reader {
         }
         if (!boxes.empty() && feature(kind, in)) return !in.fail();
         if (kind == "train" && !boxes.empty()) {
-            WaveTrain& t = boxes.back().trains.emplace_back();
-            uint32_t amplitude = 0;
-            uint32_t choppiness = 0;
-            in >> t.kx >> t.kz >> t.omega >> t.phase >> std::hex >> amplitude >> choppiness >> std::dec >>
-                t.field.value;
-            t.amplitude = std::bit_cast<float>(amplitude);
-            t.choppiness = std::bit_cast<float>(choppiness);
+            boxes.back().trains.push_back(train_from(in));
             return !in.fail();
         }
         if (kind == "field") {
@@ -218,6 +153,26 @@ struct Reader {
             return true;
         }
         return false;
+    }
+
+    /// The same for the lines that need no sea.
+    std::string part(const std::string& kind, std::istringstream& in) const {
+        SeaTime t;
+        LatticePoint p;
+        if (kind == "constants") {
+            const WaveTrain train = train_from(in);
+            return in.fail() ? "" : constants_text(train);
+        }
+        if (kind == "phase") {
+            WaveTrain train;
+            in >> train.kx >> train.kz >> train.omega >> train.phase >> t.us >> p.x >> p.z;
+            return in.fail() ? "" : phase_text(train, t, p);
+        }
+        FieldId id;
+        FieldId base;
+        in >> id.value >> base.value >> p.x >> p.z;
+        const auto field = in.fail() ? std::nullopt : field_over(id, base);
+        return field ? land_text(*field, p) : "";
     }
 
     /// What this build computes for a check line; empty where the line cannot be read.
@@ -244,6 +199,7 @@ struct Reader {
             in >> j;
             return in.fail() || j > wake_root_cells ? "" : fmt::format("{}", wake_table().root[j]);
         }
+        if (kind == "constants" || kind == "phase" || kind == "land") return part(kind, in);
         Layers layers = authoritative_layers;
         if (kind == "layers") in >> layers.bits;
         SeaTime t;

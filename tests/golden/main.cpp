@@ -4,14 +4,17 @@
 #include <fstream>
 #include <string>
 
+#include "tests/golden/edge_fields.hpp"
+#include "tests/golden/edge_sea.hpp"
 #include "tests/golden/golden_file.hpp"
 
 namespace {
 
 int usage(std::FILE* out, int code) {
-    fmt::print(out,
-               "usage: trochoid-goldens check FILE…   compare golden vectors with what this build computes\n"
-               "       trochoid-goldens write FILE    write them anew (only with a commit that says why)\n");
+    fmt::print(
+        out,
+        "usage: trochoid-goldens check FILE…   compare golden vectors with what this build computes\n"
+        "       trochoid-goldens write sea|edges|fields FILE   write them anew (only with a commit that says why)\n");
     return code;
 }
 
@@ -37,20 +40,27 @@ int check(int count, char** files) {
     return wrong_files == 0 ? 0 : 1;
 }
 
+int write(const std::string& which, const char* file) {
+    void (*writer)(std::ostream&) = nullptr;
+    if (which == "sea") writer = trochoid::write_goldens;
+    if (which == "edges") writer = trochoid::write_edges;
+    if (which == "fields") writer = trochoid::write_fields;
+    if (writer == nullptr) return usage(stderr, 2);
+    std::ofstream out(file);
+    writer(out);
+    if (!out.flush()) {
+        fmt::print(stderr, "trochoid-goldens: cannot write {}: check the folder\n", file);
+        return 2;
+    }
+    return 0;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
     const std::string command = argc > 1 ? argv[1] : "";
     if (command == "--help") return usage(stdout, 0);
     if (command == "check" && argc > 2) return check(argc - 2, argv + 2);
-    if (command == "write" && argc == 3) {
-        std::ofstream out(argv[2]);
-        trochoid::write_goldens(out);
-        if (!out.flush()) {
-            fmt::print(stderr, "trochoid-goldens: cannot write {}: check the folder\n", argv[2]);
-            return 2;
-        }
-        return 0;
-    }
+    if (command == "write" && argc == 4) return write(argv[2], argv[3]);
     return usage(stderr, 2);
 }

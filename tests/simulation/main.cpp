@@ -29,10 +29,10 @@ int failed(const std::string& what) {
 }
 
 /// Stories from one seed on.
-int tell(uint64_t first, uint64_t count) {
+int tell(uint64_t first, uint64_t count, int most_failures) {
     StoryEnd sum;
     int failures = 0;
-    for (uint64_t seed = first; seed < first + count && failures < 10; ++seed) {
+    for (uint64_t seed = first; seed < first + count && failures < most_failures; ++seed) {
         at_hand = fmt::format("--seed {}", seed);
         const StoryEnd end = seeded_story(seed, false);
         if (!end.failure.empty()) failures += failed(end.failure);
@@ -40,15 +40,18 @@ int tell(uint64_t first, uint64_t count) {
         sum.sessions += end.sessions;
         sum.resumed += end.resumed;
         sum.results += end.results;
+        sum.pieces += end.pieces;
         sum.events += end.events;
         sum.restarts += end.restarts;
         sum.cuts += end.cuts;
+        sum.troubles += end.troubles;
         for (const auto& [verdict, times] : end.resumes) sum.resumes[verdict] += times;
     }
     fmt::print(
-        "{} seeds from {}: {} connections, {} cut, {} sessions, {} of them resumed, {} results, {} events, {} restarts\n",
-        count, first, sum.connections, sum.cuts, sum.sessions, sum.resumed, sum.results, sum.events,
-        sum.restarts);
+        "{} seeds from {}: {} connections, {} cut, {} sessions, {} of them resumed, {} results of {} pieces, {} events, {} restarts, {} new "
+        "beginnings after bits that turned over\n",
+        count, first, sum.connections, sum.cuts, sum.sessions, sum.resumed, sum.results, sum.pieces,
+        sum.events, sum.restarts, sum.troubles);
     std::string resumes;
     for (const auto& [verdict, times] : sum.resumes)
         resumes += fmt::format("{}{} {}", resumes.empty() ? "" : ", ", verdict, times);
@@ -80,14 +83,15 @@ int cut_everywhere(uint64_t step) {
 }
 
 constexpr const char* usage =
-    "trochoid-simulation: --seeds N [--from SEED] | --seed SEED (one, with a trace) | --cuts [STEP] | --cut up|down BYTE KIND\n";
+    "trochoid-simulation: --seeds N [--from SEED | --first] | --seed SEED (one, with a trace) | --cuts [STEP] | --cut up|down BYTE KIND\n";
 
 int run(int argc, char** argv) {
     const auto word = [&](int i) { return i < argc ? std::string_view(argv[i]) : std::string_view(); };
     const auto number = [&](int i, uint64_t otherwise) {
         return i < argc ? std::strtoull(argv[i], nullptr, 10) : otherwise;
     };
-    if (word(1) == "--seeds") return tell(word(3) == "--from" ? number(4, 1) : 1, number(2, 2000));
+    if (word(1) == "--seeds")
+        return tell(word(3) == "--from" ? number(4, 1) : 1, number(2, 2000), word(3) == "--first" ? 1 : 10);
     if (word(1) == "--seed") {
         at_hand = fmt::format("--seed {}", number(2, 1));
         const StoryEnd end = seeded_story(number(2, 1), true);

@@ -1,5 +1,8 @@
 #include "tests/simulation/sim_client.hpp"
 
+#include <fmt/format.h>
+
+#include <algorithm>
 #include <array>
 #include <cstdlib>
 #include <utility>
@@ -85,20 +88,34 @@ struct SimClient::Impl {
         loop.post([this] { link.connect(); });
         watch();
     }
-    // Sessions that were resumed can be told by their hello alone.
     void watch() {
         loop.after(std::chrono::milliseconds(50), [this] {
-            if (board.hello && board.hello->session != seen) {
-                seen = board.hello->session;
-                resumed += board.hello->resumed ? 1U : 0U;
-            }
+            look_at_board();
             watch();
         });
+    }
+    // Sessions that were resumed can be told by their hello alone.
+    void look_at_board() {
+        if (board.hello && board.hello->session != seen) {
+            seen = board.hello->session;
+            resumed += board.hello->resumed ? 1U : 0U;
+        }
+        const bool live = board.state == LinkState::live;
+        if (was_live && !live) ends.push_back(board.reason);
+        was_live = live;
+        const StoreSnapshot& now = *board.snapshot;
+        if (now.log_position >= held->log_position)
+            watermark_fell_us = std::max(watermark_fell_us, held->watermark - now.watermark);
+        held = board.snapshot;
     }
     SessionOptions options;
     mutable SessionBoard board;
     NetLoop loop;
     SessionLink link{loop, board, options};
+    std::shared_ptr<const StoreSnapshot> held = board.snapshot;
+    std::vector<std::string> ends;
+    bool was_live = false;
+    int64_t watermark_fell_us = 0;
     uint64_t seen = 0;
     uint32_t resumed = 0;
 };
@@ -110,6 +127,20 @@ SimClient::~SimClient() { impl_->loop.stop(); }
 void SimClient::look(const ViewState& view) {
     impl_->board.view = view;
     impl_->loop.post([my = impl_.get()] { my->link.view_changed(); });
+}
+void SimClient::ask_regions(std::vector<SyncRegion> regions) {
+    impl_->board.regions = std::move(regions);
+    impl_->loop.post([my = impl_.get()] { my->link.regions_changed(); });
+}
+bool SimClient::rot() {
+    auto& boxes = const_cast<InterestState&>(*impl_->board.snapshot->interest).boxes;
+    const auto box =
+        std::find_if(boxes.begin(), boxes.end(), [](const auto& b) { return !b.second->trains.empty(); });
+    if (box == boxes.end()) return false;
+    WaveTrainBox other = *box->second;
+    other.trains.front().phase ^= 1U << 29;
+    box->second = std::make_shared<const WaveTrainBox>(std::move(other));
+    return true;
 }
 void SimClient::leave() {
     impl_->loop.post([my = impl_.get()] { my->link.end(); });
@@ -123,10 +154,22 @@ std::string SimClient::sentence() const {
 uint32_t SimClient::connections() const { return impl_->board.connections; }
 uint32_t SimClient::resumed() const { return impl_->resumed; }
 uint64_t SimClient::results() const { return impl_->board.counters.results; }
-uint64_t SimClient::resyncs() const { return impl_->board.counters.resyncs; }
+const StoreCounters& SimClient::counters() const { return impl_->board.counters; }
+const std::vector<std::string>& SimClient::ends() const { return impl_->ends; }
+LogPosition SimClient::position() const { return impl_->board.snapshot->log_position; }
+SeaTime SimClient::watermark() const { return impl_->board.snapshot->watermark; }
+int64_t SimClient::watermark_fell_us() const { return impl_->watermark_fell_us; }
 const CullKey& SimClient::key() const { return impl_->board.snapshot->key; }
 uint64_t SimClient::state() const {
     return impl_->board.snapshot->result == 0 ? 0 : hash_of(*impl_->board.snapshot->interest);
+}
+std::string SimClient::holdings() const {
+    const InterestState& held = *impl_->board.snapshot->interest;
+    const StoreCounters& counted = counters();
+    return fmt::format(
+        "{} boxes, {} land blocks, {} patches; {} results in {} pieces, {} resyncs, {} desyncs",
+        held.boxes.size(), held.blocks.size(), held.patches.size(), counted.results, counted.pieces,
+        counted.resyncs, counted.desyncs);
 }
 const std::vector<SyncRegion>& SimClient::regions() const { return impl_->board.snapshot->regions; }
 

@@ -6,8 +6,6 @@
 
 #include "protocol/model/sea.hpp"
 #include "protocol/units/assert.hpp"
-#include "protocol/units/hash.hpp"
-#include "server/app/opening.hpp"
 #include "server/app/replay.hpp"
 #include "server/app/sea_authority.hpp"
 #include "server/app/sea_service.hpp"
@@ -15,14 +13,12 @@
 #include "server/interest/cull_key.hpp"
 #include "server/net/monotonic.hpp"
 #include "server/net/session_server.hpp"
+#include "tests/simulation/sim_world.hpp"
 #include "tests/simulation/virtual_time.hpp"
 
 namespace trochoid {
 
 namespace {
-
-constexpr int64_t world_began_us = 900'000'000;
-constexpr std::chrono::milliseconds follow_interval{50};
 
 class VirtualTransport final : public Transport {
 public:
@@ -46,27 +42,6 @@ private:
     std::string peer_ = "127.0.0.1:40000";
 };
 
-SeaClock the_clock() {
-    SeaClock clock;
-    clock.monotonic_start_us = world_began_us;
-    return clock;
-}
-
-Scene the_scene() {
-    Scene scene;
-    scene.name = "simulated";
-    StartWind wind;
-    wind.speed = 9.0F;
-    wind.towards_degrees = 90.0F;
-    wind.origin = {to_lattice(-20000), 0};
-    wind.fetch = to_lattice(60000);
-    wind.width = to_lattice(40000);
-    wind.trains = 4;
-    wind.seed = 5;
-    scene.winds.push_back({"old wind", wind, {-7200 * microseconds_per_second}, {}});
-    return scene;
-}
-
 TicketKey the_ticket_key() {
     return *TicketKey::from_hex("000102030405060708090a0b0c0d0e0f101112131415161718191a1b1c1d1e1f");
 }
@@ -85,46 +60,51 @@ UnixSeconds virtual_unix() {
 
 void keep_quiet() { spdlog::set_level(spdlog::level::off); }
 
-SimWorld::SimWorld() : log_(std::make_unique<InMemoryEventLog>()) {
-    // The scene's own events, by somebody who is no node.
-    IoLoop loop;
-    const Scene scene = the_scene();
-    World world(scene.name, nullptr, the_clock());
-    LandWorker worker(loop, nullptr, land_settings_of(scene.land));
-    SeaAuthority(loop, world, *log_, worker, 500).open(scene);
-}
-
-SimWorld::~SimWorld() = default;
-
-uint64_t SimWorld::events() const { return log_->read({0}, SIZE_MAX).size(); }
-
 struct SimNode::Impl {
-    Impl(VirtualNet& n, uint16_t p, SimWorld& shared, uint32_t number)
+    Impl(VirtualNet& n, uint16_t p, SimWorld& w, const NodeKind& k)
         : net(n),
           port(p),
-          settings(land_settings_of(the_scene().land)),
-          world(the_scene().name, nullptr, the_clock()),
-          worker(loop, nullptr, settings),
+          shared(w),
+          kind(k),
+          world(w.scene().name, w.terrain(), clock_of_the_beginning()),
+          worker(loop, w.terrain(), w.land_settings()),
           door(TokenKeys(), the_ticket_key(), ViewerTokens::never, virtual_unix),
-          authority(loop, replayed(shared), shared.log(), worker, 500, number),
+          authority(loop, replayed(), w.log(), worker, 500, k.number),
           sea(authority, the_instance(), door),
-          sessions(loop, sea, Limits{}),
+          sessions(loop, sea, k.limits),
           following(loop) {}
 
-    World& replayed(SimWorld& shared) {
+    World& replayed() {
         const auto events = shared.log().read({0}, SIZE_MAX);
-        const auto done = replay(world, events, settings);
+        const auto done = replay(world, events, shared.land_settings());
         TROCHOID_ASSERT(done.has_value(), "the log does not replay: {}", done.error().message);
         return world;
     }
     void follow() {
         authority.follow();
-        following.start(follow_interval, [this] { follow(); });
+        promise();
+        following.start(kind.look_every, [this] { follow(); });
+    }
+    void promise() { shared.promised(authority.state()->log_position, authority.watermark()); }
+
+    // The worker's thread is waited for, so that what it takes is virtual time.
+    void await_worker(int64_t takes_us) {
+        if (awaiting || unanswered == 0) return;
+        awaiting = true;
+        VirtualTime& time = VirtualTime::current();
+        time.at(time.now_us() + takes_us,
+                [this, takes_us, still = std::weak_ptr<int>(alive), traced = time.handed_in()] {
+                    if (still.expired()) return;
+                    awaiting = false;
+                    traced();
+                    await_worker(takes_us);
+                });
     }
 
     VirtualNet& net;
     uint16_t port;
-    LandSettings settings;
+    SimWorld& shared;
+    NodeKind kind;
     IoLoop loop;
     World world;
     LandWorker worker;
@@ -133,12 +113,18 @@ struct SimNode::Impl {
     SeaService sea;
     SessionServer sessions;
     LoopTimer following;
+    size_t unanswered = 0;  // commands
+    bool awaiting = false;
+    std::shared_ptr<int> alive = std::make_shared<int>();
 };
 
-SimNode::SimNode(VirtualNet& net, uint16_t port, SimWorld& world, uint32_t number)
-    : impl_(std::make_unique<Impl>(net, port, world, number)) {
+SimNode::SimNode(VirtualNet& net, uint16_t port, SimWorld& world, const NodeKind& kind)
+    : impl_(std::make_unique<Impl>(net, port, world, kind)) {
     Impl& my = *impl_;
-    my.authority.on_change([&my] { my.sessions.sea_changed(); });
+    my.authority.on_change([&my] {
+        my.promise();
+        my.sessions.sea_changed();
+    });
     my.follow();
     net.listen(port, [&my](std::unique_ptr<VirtualEnd> end) {
         my.sessions.accept(std::make_unique<VirtualTransport>(std::move(end)));
@@ -147,30 +133,19 @@ SimNode::SimNode(VirtualNet& net, uint16_t port, SimWorld& world, uint32_t numbe
 
 SimNode::~SimNode() { impl_->net.deaf(impl_->port); }
 
-bool SimNode::change_sea(uint64_t dice) {
+void SimNode::command(decltype(Command::action) action, int64_t tracing_us) {
     Command command;
     command.sequence = 1;
-    const auto& boxes = impl_->authority.state()->boxes;
-    if (dice % 3 == 0 && boxes.size() > 1) {
-        auto box = boxes.begin();
-        std::advance(box, static_cast<std::ptrdiff_t>((dice >> 8) % boxes.size()));
-        command.action = StopWind{box->first};
-    } else {
-        StartWind wind;
-        wind.speed = 6.0F + static_cast<float>((dice >> 8) % 8);
-        wind.towards_degrees = static_cast<float>((dice >> 16) % 360);
-        wind.origin = {to_lattice(static_cast<double>((dice >> 24) % 2000) - 1000.0),
-                       to_lattice(static_cast<double>((dice >> 40) % 2000) - 1000.0)};
-        wind.fetch = to_lattice(20000);
-        wind.width = to_lattice(20000);
-        wind.trains = 3;
-        wind.seed = 1 + (dice >> 32);
-        command.action = wind;
-    }
-    bool done = false;
-    impl_->authority.command(command,
-                             [&done](const CommandReply& reply) { done = reply.code == ErrorCode::none; });
-    return done;
+    command.action = std::move(action);
+    ++impl_->unanswered;
+    impl_->authority.command(command, [my = impl_.get()](const CommandReply&) { --my->unanswered; });
+    impl_->await_worker(tracing_us);
+}
+
+std::vector<BoxId> SimNode::boxes() const {
+    std::vector<BoxId> ids;
+    for (const auto& [id, box] : impl_->authority.state()->boxes) ids.push_back(id);
+    return ids;
 }
 
 void SimNode::drain() {
@@ -198,10 +173,24 @@ std::vector<SurfaceSample> SimNode::samples(SeaTime time, std::span<const Lattic
 }
 
 SeaTime SimNode::now() const { return impl_->authority.now(); }
+uint32_t SimNode::rate_q16() const { return impl_->authority.state()->clock.rate_q16; }
+uint64_t SimNode::world_hash() const { return hash_of(*impl_->authority.state()); }
+
+bool SimNode::resumes(const CullKey& key, uint64_t state_hash) const {
+    ResumeState claim;
+    claim.instance = the_instance();
+    claim.key = key;
+    claim.state_hash = state_hash;
+    claim.log_position = impl_->authority.state()->log_position;
+    claim.log_hash = impl_->authority.state()->log_hash;
+    return impl_->sea.resume(claim).verdict == ResumeVerdict::resumed;
+}
 
 SimCounts SimNode::counts() const {
     const ServerStats& stats = impl_->sessions.stats();
-    SimCounts counts{stats.connections, stats.sessions_started, stats.sessions_now, 0, 0, stats.resyncs, {}};
+    SimCounts counts{
+        stats.connections, stats.sessions_started, stats.sessions_now, 0, 0, stats.resyncs, 0, {}};
+    for (const auto& [kind, count] : stats.desyncs) counts.desyncs += count;
     for (const auto& [verdict, count] : stats.resumes) counts.resumes[std::string(name_of(verdict))] = count;
     for (const auto& [code, count] : stats.ended) {
         counts.ended += count;

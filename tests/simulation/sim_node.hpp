@@ -1,4 +1,5 @@
 #pragma once
+#include <chrono>
 #include <cstdint>
 #include <map>
 #include <memory>
@@ -6,26 +7,19 @@
 #include <string>
 #include <vector>
 
+#include "protocol/codec/messages.hpp"
 #include "protocol/model/interest_state.hpp"
 #include "protocol/model/sea.hpp"
 #include "tests/simulation/virtual_net.hpp"
 
 namespace trochoid {
 
-class InMemoryEventLog;
+class SimWorld;
 
-/// What all nodes of a simulated world have in common: its log and its name.
-class SimWorld {
-public:
-    SimWorld();
-    SimWorld(const SimWorld&) = delete;
-    SimWorld& operator=(const SimWorld&) = delete;
-    ~SimWorld();
-    InMemoryEventLog& log() { return *log_; }
-    uint64_t events() const;
-
-private:
-    std::unique_ptr<InMemoryEventLog> log_;
+struct NodeKind {
+    uint32_t number = 1;  ///< above 0
+    Limits limits;
+    std::chrono::milliseconds look_every{50};  ///< at the log
 };
 
 /// What a node's sessions came to.
@@ -36,6 +30,7 @@ struct SimCounts {
     uint64_t ended = 0;
     uint64_t ended_without_code = 0;
     uint64_t resyncs = 0;
+    uint64_t desyncs = 0;
     std::map<std::string, uint64_t> resumes;  ///< wishes to go on, by what became of them
     bool operator==(const SimCounts&) const = default;
 };
@@ -43,15 +38,15 @@ struct SimCounts {
 /// The real server without its process: world, authority, service and sessions, over a simulated network.
 class SimNode {
 public:
-    /// `number`: above 0, another one in each life of each node.
-    SimNode(VirtualNet& net, uint16_t port, SimWorld& world, uint32_t number);
+    SimNode(VirtualNet& net, uint16_t port, SimWorld& world, const NodeKind& kind);
     SimNode(const SimNode&) = delete;
     SimNode& operator=(const SimNode&) = delete;
     /// As a process that is killed: its connections end, its memory is lost.
     ~SimNode();
 
-    /// A director changes the sea: a wind of a few trains, or the end of one. True where it was done.
-    bool change_sea(uint64_t dice);
+    /// An admin's. `tracing_us`: what each trace of land takes that it needs.
+    void command(decltype(Command::action) action, int64_t tracing_us);
+    std::vector<BoxId> boxes() const;
     /// Says goodbye to everybody, as at SIGTERM; takes nobody any more.
     void drain();
 
@@ -61,6 +56,11 @@ public:
     bool serves(const CullKey& key, const ViewState& view) const;
     std::vector<SurfaceSample> samples(SeaTime time, std::span<const LatticePoint> points) const;
     SeaTime now() const;
+    uint32_t rate_q16() const;
+    /// Of all that this node knows.
+    uint64_t world_hash() const;
+    /// Whether it would go on with a client that says to hold this for the key.
+    bool resumes(const CullKey& key, uint64_t state_hash) const;
     SimCounts counts() const;
 
 private:

@@ -14,9 +14,11 @@ struct StoryEnd {
     uint64_t sessions = 0;
     uint64_t resumed = 0;
     uint64_t results = 0;
+    uint64_t pieces = 0;
     uint64_t events = 0;
     uint64_t restarts = 0;
     uint64_t cuts = 0;
+    uint64_t troubles = 0;                    ///< resyncs and desyncs, of those whose memory rots
     std::map<std::string, uint64_t> resumes;  ///< wishes to go on, by what became of them
     // Bytes that the first connection has delivered, for stories that cut at each.
     uint64_t first_up = 0;

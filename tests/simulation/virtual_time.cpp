@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "protocol/units/assert.hpp"
+#include "protocol/units/hash.hpp"
 
 namespace trochoid {
 
@@ -14,7 +15,7 @@ constexpr uint64_t most_tasks = 5'000'000;
 
 }  // namespace
 
-VirtualTime::VirtualTime() { the_current = this; }
+VirtualTime::VirtualTime(uint64_t seed) : dice_(splitmix64(seed ^ 0x7a5e)) { the_current = this; }
 
 VirtualTime::~VirtualTime() {
     // Tasks may own what gives further ones when it goes.
@@ -40,6 +41,25 @@ void VirtualTime::run_until(int64_t us) {
         next.mapped()();
     }
     now_us_ = std::max(now_us_, us);
+}
+
+uint32_t VirtualTime::random() { return static_cast<uint32_t>((dice_ = splitmix64(dice_)) >> 32); }
+
+void VirtualTime::hand_in(std::function<void()> task) {
+    {
+        const std::lock_guard lock(mutex_);
+        TROCHOID_ASSERT(!handed_in_, "two tasks are handed in at once");
+        handed_in_ = std::move(task);
+    }
+    news_.notify_one();
+}
+
+std::function<void()> VirtualTime::handed_in() {
+    std::unique_lock lock(mutex_);
+    news_.wait(lock, [this] { return handed_in_.has_value(); });
+    auto task = std::move(*handed_in_);
+    handed_in_.reset();
+    return task;
 }
 
 }  // namespace trochoid

@@ -114,7 +114,7 @@ void add_hellos(Catalogue& all) {
     all.push_back(hello_taken("R-157/ServerHello-capabilities",
                               "Our hello has capability bits that nobody knows yet",
                               [](H& h) { h.capabilities = ~(capability_probes | capability_resume); }));
-    all.push_back(hello_taken("R-117/ServerHello-last-code-599",
+    all.push_back(hello_taken("R-175/ServerHello-last-code-599",
                               "Our hello's last code is unknown, of a known class",
                               [](H& h) { h.last_code = static_cast<ErrorCode>(599); }));
 }
@@ -179,13 +179,14 @@ void add_answers(Catalogue& all) {
            {{"time", "a sea time beyond its bounds", out_of_range, [](P& p) { p.time = {INT64_MAX}; }},
             {"points-17", "17 points", out_of_range, [](P& p) { p.points.resize(17); }}});
     // Either reading is right: it is no such reply as R-162 allows, and no answer to a probe that was sent.
-    all.push_back(client_case("R-162/stale-with-points", "A stale reply with points", [](ClientTrial& trial) {
-        P reply = legal<P>();
-        reply.stale = true;
-        ClientPeer& peer = trial.welcome();
-        peer.send(reply);
-        peer.expect_goodbye(out_of_range, {unexpected});
-    }));
+    all.push_back(client_case("R-117/ProbeReply-stale-with-points", "A stale reply with points",
+                              [](ClientTrial& trial) {
+                                  P reply = legal<P>();
+                                  reply.stale = true;
+                                  ClientPeer& peer = trial.welcome();
+                                  peer.send(reply);
+                                  peer.expect_goodbye(out_of_range, {unexpected});
+                              }));
     add<Goodbye>(all, "Goodbye",
                  {{"code-99", "a code of no class", out_of_range,
                    [](Goodbye& g) { g.code = static_cast<ErrorCode>(99); }},

@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "protocol/login/login_token.hpp"
+#include "protocol/units/version.hpp"
 #include "tests/conformance/client/refusals.hpp"
 
 // What a client says first.
@@ -25,16 +27,38 @@ void require(bool holds, std::string sentence) {
 }  // namespace
 
 void add_hello_cases(Catalogue& all) {
+    all.push_back(about_hello("R-101/magic", "The stream opens with the magic",
+                              [](const ClientHello&, ClientTrial&) {}));
+    all.push_back(client_case(
+        "R-122/in-time", "The hello comes whole within 5 s of the connection", [](ClientTrial& trial) {
+            ClientPeer& peer = trial.accept();
+            const int64_t begin_us = monotonic_us();
+            peer.await_hello();
+            trial.note(fmt::format("it came after {} ms", (monotonic_us() - begin_us) / 1000));
+        }));
+    all.push_back(about_hello("R-124/hello-world", "The hello names our world, or none",
+                              [](const ClientHello& hello, ClientTrial&) {
+                                  require(hello.world.empty() || hello.world == kit_world,
+                                          fmt::format("R-124: it asks for the world '{}', this one is '{}'",
+                                                      hello.world, kit_world));
+                              }));
+    all.push_back(about_hello("R-152/hello-token", "The hello's token, where it has one, has the form of one",
+                              [](const ClientHello& hello, ClientTrial& trial) {
+                                  if (hello.token.empty()) return trial.note("no token");
+                                  const auto token = parse_token(hello.token);
+                                  require(token.has_value(), "R-152: the hello's token is none");
+                              }));
     all.push_back(about_hello("R-121/hello-first",
                               "The magic, then a hello, before anything has come from us",
                               [](const ClientHello&, ClientTrial&) {}));
-    all.push_back(
-        about_hello("R-123/hello-versions", "The hello names a range of versions",
-                    [](const ClientHello& hello, ClientTrial& trial) {
-                        trial.note(fmt::format("versions {} to {}", hello.protocol_min, hello.protocol_max));
-                        require(hello.protocol_min >= 1 && hello.protocol_min <= hello.protocol_max,
-                                "R-123: no version lies in the range");
-                    }));
+    all.push_back(about_hello(
+        "R-123/hello-versions", "The hello names a range of versions",
+        [](const ClientHello& hello, ClientTrial& trial) {
+            trial.note(fmt::format("versions {} to {}", hello.protocol_min, hello.protocol_max));
+            require(hello.protocol_min <= protocol_version_max && hello.protocol_max >= protocol_version_min,
+                    fmt::format("R-123: none of versions {} to {} lies in the range", protocol_version_min,
+                                protocol_version_max));
+        }));
     all.push_back(about_hello(
         "R-141/hello-model", "The hello names the model that the client computes",
         [](const ClientHello& hello, ClientTrial&) { require(hello.model >= 1, "R-141: model 0"); }));
@@ -93,7 +117,7 @@ void add_hello_cases(Catalogue& all) {
             return encode(ServerMessage{hello});
         },
         version));
-    all.push_back(client_case("R-123/version-0",
+    all.push_back(client_case("R-117/ServerHello-protocol-0",
                               "Our hello takes version 0, which is none: out of range, or not offered",
                               [version](ClientTrial& trial) {
                                   ClientPeer& peer = trial.accept();
@@ -101,7 +125,7 @@ void add_hello_cases(Catalogue& all) {
                                   ServerHello hello = peer.usual_hello();
                                   hello.protocol = 0;
                                   peer.send(hello);
-                                  peer.expect_goodbye(version, {out_of_range});
+                                  peer.expect_goodbye(out_of_range, {version});
                               }));
     all.push_back(hello_refused("R-141/other-model", "Our hello says that we compute another sea",
                                 [](ServerHello hello) {

@@ -10,11 +10,7 @@ namespace {
 
 constexpr size_t small_pieces = 1500;
 
-/// The standard names no code for results out of order.
-const std::vector<Due> out_of_order{{ErrorCode::sequence_not_monotone, any_due_requirement},
-                                    {ErrorCode::base_mismatch, any_due_requirement}};
-
-void expect_out_of_order(ClientPeer& peer) { peer.expect_goodbye(out_of_order[0], {out_of_order[1]}); }
+constexpr Due out_of_order{ErrorCode::sequence_not_monotone, requirement::result_order};
 
 /// Far more than the small sea: many pieces.
 InterestState wide_sea() {
@@ -104,6 +100,18 @@ void add_right(Catalogue& all) {
                               }));
 }
 
+void add_progress(Catalogue& all) {
+    all.push_back(client_case("R-128/progress", "Seventy results one after the other are all acknowledged",
+                              [](ClientTrial& trial) {
+                                  ClientPeer& peer = in_step(trial);
+                                  constexpr int results = 70;
+                                  for (int i = 0; i < results; ++i) {
+                                      peer.send_result(i % 2 == 0 ? grown_sea() : small_sea());
+                                      peer.await_ack(peer.result());
+                                  }
+                              }));
+}
+
 /// One thing wrong with the pieces of result 2.
 void add_order(Catalogue& all, const char* id, const char* title, void (*spoil)(std::vector<Delta>& pieces)) {
     all.push_back(client_case(std::string("R-134/") + id, title, [spoil](ClientTrial& trial) {
@@ -113,7 +121,7 @@ void add_order(Catalogue& all, const char* id, const char* title, void (*spoil)(
         spoil(pieces);
         for (const Delta& piece : pieces) peer.send(piece);
         peer.hold(2, wide_sea());
-        expect_out_of_order(peer);
+        peer.expect_goodbye(out_of_order);
     }));
 }
 
@@ -153,7 +161,7 @@ void add_wrong_order(Catalogue& all) {
         ClientPeer& peer = trial.welcome();
         peer.hold(1, {});
         peer.send_result(small_sea(), true);
-        expect_out_of_order(peer);
+        peer.expect_goodbye(out_of_order);
     }));
 }
 
@@ -191,6 +199,7 @@ void add_lost(Catalogue& all, const char* id, const char* title, void (*spoil)(D
 
 void add_result_cases(Catalogue& all) {
     add_right(all);
+    add_progress(all);
     add_wrong_order(all);
     all.push_back(client_case(
         "R-133/acknowledged-wrong-hash",

@@ -41,7 +41,26 @@ void add_resume(Catalogue& all) {
             if (hello.resume->log_position.value != ClientPeer::log_length ||
                 hello.resume->log_hash != ClientPeer::log_hash)
                 throw Failed{"the resume data's log is not the one that clock replies told of"};
-            if (hello.ticket != ticket) throw Failed{"the ticket is not the one of our hello"};
+            peer.welcome_now();
+            peer.expect_service();
+        }));
+    all.push_back(client_case(
+        "R-157/cut-result", "Of a result that was cut the client keeps nothing", [](ClientTrial& trial) {
+            ClientPeer& first = trial.welcome(with_ticket);
+            if ((first.hello().capabilities & capability_resume) == 0)
+                throw Skipped{"the client's hello does not offer to resume"};
+            first.expect_service();
+            constexpr size_t small_pieces = 1500;
+            const std::vector<Delta> pieces = first.pieces_to(grown_sea(), false, small_pieces);
+            for (size_t i = 0; i + 1 < pieces.size(); ++i) first.send(pieces[i]);
+            first.listen(Milliseconds(150));
+            first.stream().finish();
+            first.expect_end();
+            ClientPeer& peer = trial.accept_again();
+            const ClientHello& hello = peer.await_hello();
+            if (!hello.resume) throw Skipped{"the client does not ask to resume"};
+            if (hello.resume->state_hash != hash_of(small_sea()))
+                throw Failed{"the resume data's hash is not that of the last whole result"};
             peer.welcome_now();
             peer.expect_service();
         }));
@@ -96,6 +115,30 @@ void add_resume(Catalogue& all) {
         }));
 }
 
+void add_tickets(Catalogue& all) {
+    all.push_back(
+        client_case("R-155/newest-ticket",
+                    "A client that comes again shows the ticket of our last hello unchanged, or none",
+                    [](ClientTrial& trial) {
+                        first_session(trial);
+                        ClientPeer& second = trial.accept_again();
+                        const std::vector<uint8_t> shown = second.await_hello().ticket;
+                        if (!shown.empty() && shown != ticket)
+                            throw Failed{"the ticket is not the one of our hello"};
+                        const std::vector<uint8_t> newer(64, 0x2f);
+                        second.welcome_now([&](ServerHello& hello) {
+                            with_ticket(hello);
+                            hello.ticket = newer;
+                        });
+                        second.expect_service();
+                        second.stream().finish();
+                        second.expect_end();
+                        const std::vector<uint8_t> again = trial.accept_again().await_hello().ticket;
+                        if (!again.empty() && again != newer)
+                            throw Failed{"the ticket is not the one of our last hello: each is good once"};
+                    }));
+}
+
 void add_instances(Catalogue& all) {
     all.push_back(
         client_case("R-129/new-instance",
@@ -134,6 +177,7 @@ void add_instances(Catalogue& all) {
 
 void add_return_cases(Catalogue& all) {
     add_resume(all);
+    add_tickets(all);
     add_instances(all);
     all.push_back(client_case(
         "R-159/last-code", "The next hello tells how the last session ended", [](ClientTrial& trial) {

@@ -73,7 +73,7 @@ void add_goodbyes(Catalogue& all) {
             }));
     for (const unsigned code : {199U, 299U, 399U, 499U, 599U, 699U, 799U})
         all.push_back(
-            client_case(fmt::format("R-117/goodbye-{}", code),
+            client_case(fmt::format("R-175/goodbye-{}", code),
                         fmt::format("A goodbye with the unknown code {} of a known class is taken", code),
                         [code](ClientTrial& trial) {
                             ClientPeer& peer = trial.welcome();
@@ -162,6 +162,19 @@ void add_silence(Catalogue& all) {
     all.push_back(std::move(silent));
 }
 
+/// What is judged of all that comes (client_conduct.hpp), over a second and a half in which the sea changes.
+void add_conduct(Catalogue& all, const char* id, const char* title) {
+    all.push_back(client_case(id, title, [](ClientTrial& trial) {
+        ClientPeer& peer = trial.welcome();
+        peer.expect_service();
+        for (int i = 0; i < 15; ++i) {
+            peer.send_result(i % 2 == 0 ? grown_sea() : small_sea());
+            peer.listen(Milliseconds(100));
+        }
+        peer.await_ack(peer.result());
+    }));
+}
+
 /// The standard says nothing of answers that nobody has asked for.
 void add_unasked(Catalogue& all) {
     constexpr uint32_t nobodys = 60000;
@@ -200,6 +213,9 @@ void add_session_cases(Catalogue& all) {
     add_goodbyes(all);
     add_returns(all);
     add_silence(all);
+    add_conduct(all, "R-125/sequences", "Sequence numbers ascend, acknowledgements never go back");
+    add_conduct(all, "R-126/rates", "Views, regions and messages keep their rates");
+    add_conduct(all, "R-127/viewer", "A viewer gives no commands that its role does not allow");
     add_unasked(all);
 }
 

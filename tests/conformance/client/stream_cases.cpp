@@ -52,6 +52,14 @@ void add_limits(Catalogue& all) {
             peer.expect_goodbye(too_long);
         }));
     all.push_back(client_case(
+        "R-103/own-frames", "Our hello allows the client frames of 1,024 bytes: it sends none that is longer",
+        [](ClientTrial& trial) {
+            ClientPeer& peer =
+                trial.welcome([](ServerHello& hello) { hello.limits.frame_after_login = 1024; });
+            peer.expect_service();
+            peer.listen(Milliseconds(500));
+        }));
+    all.push_back(client_case(
         "R-103/raised-limit", "Our hello says 64 KiB, then a frame of 20 KiB comes", [](ClientTrial& trial) {
             ClientPeer& peer =
                 trial.welcome([](ServerHello& hello) { hello.limits.frame_to_client = 65536; });
@@ -73,7 +81,7 @@ void add_stream_cases(Catalogue& all) {
     add(all, "R-102/length-0", "A frame of length 0", header(0, 0), malformed);
     add(all, "R-102/word-1", "The header's second word is 1", header(64, 1), malformed);
     add(all, "R-102/word-max", "The header's second word is all ones", header(64, UINT32_MAX), malformed);
-    add(all, "R-102/big-endian", "The header is big-endian", header(0x48000000, 0), too_long);
+    add(all, "R-103/big-endian", "The header is big-endian", header(0x48000000, 0), too_long);
     add_first(all, "R-102/first-word", "The first header's second word is not 0", header(64, 0x01000000),
               malformed);
     add_first(all, "R-102/first-length-0", "The first frame has length 0", header(0, 0), malformed);

@@ -36,14 +36,19 @@ TerrainTile tile_of(uint8_t level, int32_t x, int32_t z) {
     return tile;
 }
 
-void add_wrong(Catalogue& all, const char* id, const char* title, void (*spoil)(TerrainTile&)) {
-    all.push_back(client_case(std::string("R-136/") + id, title, [spoil](ClientTrial& trial) {
+void add_wrong(Catalogue& all, const char* id, const char* title, void (*spoil)(TerrainTile&), Due due) {
+    all.push_back(client_case(id, title, [spoil, due](ClientTrial& trial) {
         ClientPeer& peer = trial.welcome(with_grid);
         TerrainTile tile = tile_of(0, 1, 1);
         spoil(tile);
         peer.send(TerrainTiles{{tile}});
-        peer.expect_goodbye({ErrorCode::value_out_of_range, any_due_requirement});
+        peer.expect_goodbye(due);
     }));
+}
+
+void add_off_grid(Catalogue& all, const char* id, const char* title, void (*spoil)(TerrainTile&)) {
+    constexpr uint16_t tiles_of_grid = 136;
+    add_wrong(all, id, title, spoil, {ErrorCode::value_out_of_range, tiles_of_grid});
 }
 
 }  // namespace
@@ -65,22 +70,28 @@ void add_terrain_cases(Catalogue& all) {
                                   peer.send(TerrainTiles{{tile}});
                                   peer.expect_service();
                               }));
-    add_wrong(all, "origin-x", "A tile's origin is one spacing off",
-              [](TerrainTile& t) { t.origin_x += 1 << spacing_log2; });
-    add_wrong(all, "origin-z", "A tile's origin is one tile off",
-              [](TerrainTile& t) { t.origin_z -= 64 << spacing_log2; });
-    add_wrong(all, "spacing", "A tile of another spacing than the grid's", [](TerrainTile& t) {
+    add_off_grid(all, "R-136/origin-x", "A tile's origin is one spacing off",
+                 [](TerrainTile& t) { t.origin_x += 1 << spacing_log2; });
+    add_off_grid(all, "R-136/origin-z", "A tile's origin is one tile off",
+                 [](TerrainTile& t) { t.origin_z -= 64 << spacing_log2; });
+    add_off_grid(all, "R-136/spacing", "A tile of another spacing than the grid's", [](TerrainTile& t) {
         t.spacing_log2 = spacing_log2 - 1;
         t.origin_x = west;
         t.origin_z = west;
         t.key = {0, 0, 0};
     });
-    add_wrong(all, "origin-odd", "A tile's origin between the grid's samples",
-              [](TerrainTile& t) { t.origin_x += 1; });
-    add_wrong(all, "level-9", "A tile of level 9", [](TerrainTile& t) { t.key.level = 9; });
-    add_wrong(all, "x-negative", "A tile west of the grid's first", [](TerrainTile& t) { t.key.x = -1; });
-    add_wrong(all, "height-step", "A tile whose height step no grid may have",
-              [](TerrainTile& t) { t.height_step_log2 = 11; });
+    // A decoder that knows no grid refuses it for its range, one that has the grid at hand for that.
+    add_wrong(all, "R-117/TerrainTiles-origin-odd", "A tile's origin between the grid's samples",
+              [](TerrainTile& t) { t.origin_x += 1; }, {ErrorCode::value_out_of_range, any_due_requirement});
+    add_wrong(
+        all, "R-117/TerrainTiles-level-9", "A tile of level 9", [](TerrainTile& t) { t.key.level = 9; },
+        out_of_range);
+    add_wrong(
+        all, "R-117/TerrainTiles-x-negative", "A tile west of the grid's first",
+        [](TerrainTile& t) { t.key.x = -1; }, out_of_range);
+    add_wrong(
+        all, "R-117/TerrainTiles-height-step", "A tile whose height step no grid may have",
+        [](TerrainTile& t) { t.height_step_log2 = 11; }, out_of_range);
     const auto unclear = [&](const char* id, const char* title, void (*spoil)(TerrainTile&)) {
         all.push_back(client_case(std::string("R-136/") + id, title, [spoil](ClientTrial& trial) {
             ClientPeer& peer = trial.welcome(with_grid);

@@ -3,6 +3,7 @@ import math
 
 from binary32 import from_bits, r1
 from fbs import STRING, Scalar, Struct, Table, Union, Vector
+from patch_planes import decode_patches
 from planes import PlaneError, decode_tile
 from refusal import Refusal
 
@@ -21,8 +22,8 @@ FRAME = (1024, 1 << 24)
 OPTIONAL = {
     "Box.fields", "Box.field_of_train", "Box.succession", "Box.overlays", "Box.course", "Box.irregular", "Box.noise", "Box.wake",
     "Box.hull", "Delta.boxes", "Delta.removed_boxes", "Delta.blocks", "Delta.nodes", "Delta.removed_blocks", "Delta.box_ids",
-    "Delta.patches", "Delta.patch_boxes", "Delta.removed_patches", "BoxSummary.hull", "ServerHello.ticket", "ClientHello.ticket",
-    "ClientHello.resume", "LandChanged.also"}
+    "Delta.patches", "Delta.patch_boxes", "Delta.removed_patches", "Delta.patch_planes", "BoxSummary.hull",
+    "ServerHello.ticket", "ClientHello.ticket", "ClientHello.resume", "LandChanged.also"}
 
 RANGES = {
     "Point.x": PLACE, "Point.z": PLACE, "Region.x": PLACE, "Region.z": PLACE,
@@ -151,6 +152,10 @@ def _check_delta(delta):
     _need(sum(patch.box_count for patch in delta.patches or []) == len(entries), "patch_boxes do not fit their patches")
     ids = delta.box_ids or []
     _need(all(entry.box_index < len(ids) for entry in entries), "a box_index beyond box_ids")
+    if delta.patch_planes is not None:
+        listed = delta.patches, delta.patch_boxes, delta.removed_patches
+        _need(all(field is None for field in listed), "patches as lists and as planes")
+        decode_patches(delta.patch_planes, ids)
 
 
 def _check_tile(tile):

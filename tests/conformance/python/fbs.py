@@ -46,6 +46,7 @@ class Struct:
         self.body = form[1:]
         self.size = at + -at % self.align
         self.value = collections.namedtuple(name, [n for n, _ in self.members])
+        self.value.within = {member: kind.name for member, kind in members if isinstance(kind, Struct)}
         self.layout = struct.Struct(form)
         self.floats = [n for n, (_, kind) in enumerate(self.members) if kind.is_float]
 

@@ -1,4 +1,4 @@
-"""Reads tests/golden/sea.txt: the lines by kind, and the reference sea's records."""
+"""Reads a golden file of a sea (tests/golden/sea.txt, edges.txt, fields.txt): the lines by kind, and the sea's records."""
 from collections import defaultdict
 
 import sea_records as records
@@ -18,22 +18,25 @@ def _wake(w):
     return records.Wake(*map(_float, w[:3]), *map(int, w[3:]))
 
 
-def _train(w):
+def train_of(w):
+    """A train from its seven words."""
     return records.Train(*map(int, w[:4]), _float(w[4]), _float(w[5]), int(w[6]))
 
 
 class GoldenSea:
-    """lines[kind] holds the words of each line of that kind; `sea` is the reference sea."""
+    """lines[kind] holds the words of each line of that kind; `sea` is the sea of its records."""
 
-    def __init__(self, path):
+    def __init__(self, path=None, lines=()):
         self.lines = defaultdict(list)
         self.boxes, self.blocks = [], {}
         self._field = None
-        with open(path, encoding="utf-8") as file:
-            for line in file:
-                words = line.split()
-                if words and words[0] != "#":
-                    self._take(words[0], words[1:])
+        if path:
+            with open(path, encoding="utf-8") as file:
+                lines = file.read().splitlines()
+        for line in lines:
+            words = line.split()
+            if words and words[0] != "#":
+                self._take(words[0], words[1:])
         self.sea = Sea(self.boxes, self.blocks)
 
     def _take(self, kind, words):
@@ -44,7 +47,7 @@ class GoldenSea:
         elif kind == "overlay":
             self._add(overlays=(tuple(map(int, words)),))
         elif kind == "train":
-            self._add(trains=(_train(words),))
+            self._add(trains=(train_of(words),))
         elif kind == "irregular":
             self._set(irregular=records.Irregular(*map(int, words)))
         elif kind == "noise":

@@ -1,7 +1,8 @@
-"""Every line of tests/golden/sea.txt, reproduced (R-205)."""
+"""Every line of tests/golden/sea.txt, edges.txt, fields.txt and wire_clock.txt, reproduced (R-205, R-142)."""
 import pathlib
 import unittest
 
+import golden_check
 from binary32 import bits
 from golden_sea import GoldenSea
 from sea import known_answer
@@ -55,6 +56,23 @@ class GoldenSeaTest(unittest.TestCase):
         for seed, count, expected in self.lines("hash", 3):
             *_, answer = known_answer(self.golden.sea, int(seed), int(count))
             self.assertEqual(f"{answer:016x}", expected, seed)
+
+    def test_the_second_sea_and_the_fields(self):
+        for name, kinds in (("edges", {"sincos": 2, "constants": 25, "phase": 25, "sample": 350, "layers": 50, "water": 40}),
+                            ("fields", {"land": 200})):
+            golden = GoldenSea(PATH.with_name(f"{name}.txt"))
+            self.assertEqual(set(golden.lines), set(kinds))
+            for kind, least in kinds.items():
+                self.assertGreaterEqual(len(golden.lines[kind]), least, kind)
+                for words_ in golden.lines[kind]:
+                    asked = golden_check.ARGUMENTS[kind]
+                    self.assertEqual(golden_check.answer(golden, kind, words_[:asked]), words_[asked:], (name, kind, words_[:asked]))
+
+    def test_clock(self):
+        lines = [line for line in PATH.with_name("wire_clock.txt").read_text(encoding="utf-8").splitlines() if line[0] != "#"]
+        expected = [line for line in lines if line.split()[0] in golden_check.CLOCK_ARGUMENTS]
+        self.assertGreater(len(expected), 150)
+        self.assertEqual(list(golden_check.clock_answers(lines)), expected)
 
 
 if __name__ == "__main__":

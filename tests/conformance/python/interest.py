@@ -1,21 +1,14 @@
 """The interest state of chapter 8: what a client holds, how deltas change it, and its hash."""
 import struct
-from typing import NamedTuple
 
 import sea_records as records
 from hashing import fnv
+from patch_planes import Patch, decode_patches
 from planes import PlaneError, decode_block
 from refusal import Refusal
 from sea import Sea
 
 MOST_BLOCKS = 1 << 17  # what this client holds at most: 300 MiB
-
-
-class Patch(NamedTuple):
-    """A square of the sea: (box, how many of its trains) each."""
-    boxes: tuple
-    left_out: float
-    height_error: float
 
 
 def box_record(wire):
@@ -89,6 +82,9 @@ class InterestState:
     def apply(self, delta):
         """Applies a piece: first what goes, then what comes."""
         self._sea = None
+        as_planes, gone = decode_patches(delta.patch_planes, delta.box_ids or ()) if delta.patch_planes is not None else ({}, ())
+        for key in gone:
+            self.patches.pop(key, None)
         for box in delta.removed_boxes or ():
             self.boxes.pop(box, None)
         for name in delta.removed_blocks or ():
@@ -113,6 +109,7 @@ class InterestState:
             boxes = tuple((delta.box_ids[entry.box_index], entry.train_count) for entry in entries)
             self.patches[patch.level, patch.x, patch.z] = Patch(boxes, patch.left_out, patch.height_error)
             at += patch.box_count
+        self.patches.update(as_planes)
 
     def check_whole(self):
         """What holds between the parts of a whole result."""

@@ -1,5 +1,7 @@
 """Plane coding (chapter 5): rows of counts as varints of what their neighbours do not predict."""
 
+from itertools import accumulate
+
 BLOCK_SIDE = 17
 NODES = BLOCK_SIDE * BLOCK_SIDE
 TILE_SIDE = 65
@@ -55,6 +57,12 @@ def decode_plane(data, at, side):
             residual += values[index - side]
         values.append(residual)
     return values, at
+
+
+def decode_column(data, at, count):
+    """The values of a plane of one column that starts at data[at], and where it ends."""
+    residuals, at = _residuals(data, at, count)
+    return list(accumulate(residuals)), at
 
 
 def _put_varint(out, value):

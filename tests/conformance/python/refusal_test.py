@@ -212,7 +212,7 @@ class ResultsTest(SessionTest):
         self.take(self.delta(1, state_hash=1, last=False))
         self.assert_refused("sequence_not_monotone", 134, self.delta(2, state_hash=1))
         self.assert_refused("sequence_not_monotone", 134, self.delta(1, state_hash=1, piece=2))
-        self.assert_refused("base_mismatch", 134, self.delta(1, state_hash=1, piece=1, baseHash=5))
+        self.assert_refused("sequence_not_monotone", 134, self.delta(1, state_hash=1, piece=1, baseHash=5))
 
     def test_a_wrong_hash_is_acknowledged_as_it_is_and_a_snapshot_awaited(self):
         right = self.delta(1).stateHash

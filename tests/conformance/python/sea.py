@@ -57,7 +57,7 @@ class Sea:
 
     def __init__(self, boxes, blocks):
         self._parts = [_Part(box) for box in sorted(boxes, key=lambda box: box.id)]
-        self._lands = Lands(blocks)
+        self.lands = Lands(blocks)
         self._cached = None
 
     def sample(self, time, x, z, layers=AUTHORITATIVE):
@@ -115,7 +115,7 @@ class Sea:
         for train, turned in zip(part.trains, now.phases):
             field = train.field
             if field not in known:
-                land = _layered(self._lands.at(field, part.bases, x, z), layers) if field else NO_LAND
+                land = _layered(self.lands.at(field, part.bases, x, z), layers) if field else NO_LAND
                 known[field] = land, _gains(envelope, land, modulated)
             land, gains = known[field]
             shift, qx, qz = land.shift, land.shift_dx, land.shift_dz

@@ -112,6 +112,8 @@ class TrainConstants(NamedTuple):
     v_x: float  # omega * hx
     v_y: float  # omega * A
     v_z: float  # omega * hz
+    wavelength: float
+    angular: float  # omega, rad/s
 
 
 def angular_frequency(omega):
@@ -132,4 +134,4 @@ def train_constants(train):
     return TrainConstants(
         train.kx & 0xFFFFFFFF, train.kz & 0xFFFFFFFF, train.omega, train.phase, train.field,
         math.isqrt(train.kx * train.kx + train.kz * train.kz), train.amplitude, *r2(k * dx, k * dz), h_x, h_z,
-        r1(omega * h_x), r1(omega * train.amplitude), r1(omega * h_z))
+        r1(omega * h_x), r1(omega * train.amplitude), r1(omega * h_z), r1(1 / n), omega)

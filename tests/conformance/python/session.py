@@ -173,7 +173,7 @@ class Session:
     def _take_ClockReply(self, reply, now):
         if self._requests.pop(reply.sequence, None) != reply.client_sent_us:
             raise Refusal("unexpected_message", 142, f"ClockReply {reply.sequence} answers nothing")
-        self.clock.sea = reply.clock
+        self.clock.follow(reply.clock)
         self.clock.add(reply.client_sent_us, reply.server_received_us, reply.server_sent_us, now)
         if self.watermark is not None and reply.watermark_us < self.watermark:
             raise Refusal("value_out_of_range", 144, "the watermark has fallen")
@@ -218,7 +218,7 @@ class Session:
             raise Refusal("sequence_not_monotone", 134, f"result {delta.result} piece {delta.piece} instead of {expected[0]}, "
                           f"{expected[3]}")
         if (delta.base, delta.base_hash) != expected[1:3]:
-            raise Refusal("base_mismatch", 134, f"pieces of result {delta.result} name different bases")
+            raise Refusal("sequence_not_monotone", 134, f"pieces of result {delta.result} name different bases")
 
     def _begin_result(self, delta):
         if delta.base == 0:

@@ -139,8 +139,8 @@ class Visit:
             "sample_requests": agreement.requests, "samples_refused": agreement.refused, "samples": agreement.compared,
             "samples_equal": agreement.equal, "difference": agreement.difference}
         if hello:
-            delay, offset = session.clock.best()
-            result.update(clock_delay_us=delay, clock_offset_us=offset, sea_time_us=session.clock.sea_time(monotonic_us()))
+            best = session.clock.best()
+            result.update(clock_delay_us=best.delay, clock_offset_us=best.offset, sea_time_us=session.clock.sea_time(monotonic_us()))
         return result
 
 

@@ -7,6 +7,7 @@ from checks import check
 from fbs import Scalar, Schema, Struct, Table, Union, Vector
 from planes import (BLOCK_SIDE, NODES, ORBIT_ONE, TILE_SIDE, PlaneError, decode_block, decode_plane, decode_tile, encode_block,
                     encode_plane)
+from patch_planes import Patch, decode_patches
 from reading import read
 from refusal import Refusal
 from writing import Writer, camel
@@ -121,6 +122,23 @@ class PlaneTest(unittest.TestCase):
                 self.assertEqual(encode_plane(decode_tile(tile.heights), TILE_SIDE), tile.heights)
                 tiles += 1
         self.assertGreater(min(blocks, tiles), 0)
+
+    def test_golden_patches(self):
+        data = {name: data for _, name, data in golden_messages()}["delta_of_patches"]
+        body = read(Schema(SCHEMA), data, IDENTIFIERS["server"]).body
+        patches, removed = decode_patches(body.patch_planes, body.box_ids)
+        self.assertEqual(list(patches)[:2] + list(patches)[-3:], [(15, -2, -3), (15, -2, -2), (16, 0, 2), (16, 1, -2), (26, -512, 511)])
+        self.assertEqual(patches[15, -2, -3].boxes, ((1, 8), (7, 256)))
+        self.assertEqual(patches[16, 1, -2], Patch((), 0.125, 0.25))
+        self.assertEqual(patches[26, -512, 511].boxes, ((1, 0), (7, 4), (300000, 1)))
+        self.assertEqual(removed, [(15, -1, -1), (15, -1, 0), (22, 8191, -8192)])
+        for cut in range(len(body.patch_planes)):
+            with self.assertRaises(Refusal):
+                decode_patches(body.patch_planes[:cut], body.box_ids)
+        for planes, ids in ((body.patch_planes + b"\0", body.box_ids), (body.patch_planes, body.box_ids[::-1]),
+                            (body.patch_planes, body.box_ids[1:]), (body.patch_planes, [*body.box_ids, 300001])):
+            with self.assertRaises(Refusal):
+                decode_patches(planes, list(ids))
 
     def test_random_planes_both_ways(self):
         chance = random.Random(2)

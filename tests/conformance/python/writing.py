@@ -6,7 +6,7 @@ import subprocess
 import sys
 import tempfile
 
-from fbs import Value
+from fbs import Union, Value
 
 
 def camel(name):
@@ -41,7 +41,7 @@ class Writer:
         """The module that flatc made of a type."""
         return importlib.import_module(f"trochoid.wire_fb.{name}")
 
-    def make(self, name, **fields):
+    def make(self, name, /, **fields):
         """A struct or table; text may be given as str, names are those of the schema."""
         value = getattr(self.generated(name), f"{name}T")()
         for field, own in fields.items():
@@ -53,10 +53,22 @@ class Writer:
     def again(self, value):
         """What has been read, as it was: a table or a struct."""
         if isinstance(value, Value):
-            return self.make(value.of.name, **{field.name: self.again(getattr(value, field.name)) for field in value.of.fields})
+            made = self.make(value.of.name, **{field.name: self.again(getattr(value, field.name)) for field in value.of.fields})
+            for field in value.of.fields:
+                if isinstance(field.kind, Union):
+                    tags = getattr(self.generated(field.kind.name), field.kind.name)
+                    setattr(made, camel(f"{field.name}_type"), getattr(tags, getattr(value, field.name).of.name))
+            return made
         if hasattr(value, "_asdict"):
-            return self.make(type(value).__name__, **value._asdict())
+            return self._struct(type(value).__name__, value._asdict(), value.within)
         return [self.again(element) for element in value] if isinstance(value, list) else value
+
+    def _struct(self, name, members, within=()):
+        """A struct; members of structs `within` it are named outer_inner."""
+        for outer in within:
+            inner = {member: members.pop(member) for member in list(members) if member.startswith(outer + "_")}
+            members[outer] = self._struct(within[outer], {member[len(outer) + 1:]: own for member, own in inner.items()})
+        return self.make(name, **members)
 
     def envelope(self, body, direction="Client"):
         """The buffer of a message."""
@@ -68,7 +80,7 @@ class Writer:
         envelope.size = len(self.pack(envelope, identifier))
         return self.pack(envelope, identifier)
 
-    def message(self, name, **fields):
+    def message(self, name, /, **fields):
         """The buffer of a message to the server."""
         return self.envelope(self.make(name, **fields))
 

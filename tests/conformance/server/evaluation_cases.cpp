@@ -233,13 +233,11 @@ void check_filter(ServerPeer& peer, Trial& trial) {
 /// `left_out` is no more than all the amplitudes that there are.
 void check_left_out(ServerPeer& peer) {
     double all = 0.0;
-    for (const auto& [id, box] : peer.held().state().boxes)
-        for (const WaveTrain& train : box->trains)
-            all += static_cast<double>(train.amplitude) * static_cast<double>(box->gain_max) / 32768.0;
+    for (const auto& [id, box] : peer.held().state().boxes) all += height_bound(*box);
     for (const auto& [place, patch] : peer.held().state().patches)
         if (static_cast<double>(patch.left_out) > all * 1.001 + 1e-3)
             throw Failed{fmt::format(
-                "patch ({}, {}) of level {} says that {} m were left out, but all trains that came make {} m",
+                "patch ({}, {}) of level {} says that {} m were left out, but all boxes that came make {} m",
                 place.x, place.z, place.level, patch.left_out, all)};
 }
 

@@ -54,7 +54,7 @@ void add_http(Catalogue& all) {
         all.push_back(server_case(fmt::format("R-104/first-byte-{:02x}", first),
                                   "A stream that begins like none of them is refused by its magic",
                                   [first](ServerTrial& trial) {
-                                      ServerPeer& peer = trial.connect();
+                                      ServerPeer& peer = trial.connect(Way::bytes);
                                       std::array<uint8_t, 16> bytes{};
                                       bytes.fill(first);
                                       peer.send_bytes(bytes);
@@ -63,7 +63,7 @@ void add_http(Catalogue& all) {
     all.push_back(server_case("R-106/no-handshake",
                               "A TLS record with nothing right in it ends the connection",
                               [](ServerTrial& trial) {
-                                  ServerPeer& peer = trial.connect();
+                                  ServerPeer& peer = trial.connect(Way::plain);
                                   Bytes record{0x16, 3, 1, 0, 100};
                                   record.resize(105, 0x5a);
                                   peer.send_bytes(record);
@@ -144,10 +144,41 @@ void add_upgrades(Catalogue& all) {
             {400, 426});
 }
 
+void expect_code(uint16_t code, const std::vector<uint16_t>& codes) {
+    if (std::find(codes.begin(), codes.end(), code) != codes.end()) return;
+    throw Failed{code == 0
+                     ? fmt::format("R-105: the stream ended without a close frame; {} was due", codes.front())
+                     : fmt::format("R-105: the close frame has code {}, not {}", code, codes.front())};
+}
+
 void add_messages(Catalogue& all) {
     const auto add = [&](const char* id, const char* title, ServerBody body) {
         all.push_back(server_case(std::string("R-105/") + id, title, std::move(body)));
     };
+    add("unasked-pong", "A pong that nobody asked for is passed by", [](ServerTrial& trial) {
+        WebPeer web = logged_in(trial);
+        web.send_frame(web_last | web_pong, std::array<uint8_t, 2>{7, 7});
+        web.send(ClockRequest{1, 77});
+        await<ClockReply>(web);
+    });
+    add("ping-between-fragments", "A ping between the fragments of a message is answered",
+        [](ServerTrial& trial) {
+            WebPeer web = logged_in(trial);
+            const Bytes message = encode(ClientMessage{ClockRequest{1, 77}});
+            web.send_frame(web_binary, std::span(message).first(10));
+            web.send_frame(web_last | web_ping, std::array<uint8_t, 1>{9});
+            web.send_frame(web_last | web_continuation, std::span(message).subspan(10));
+            bool pong = false;
+            for (int i = 0; i < 100; ++i) {
+                const auto frame = web.receive();
+                if (!frame) throw Failed{"no clock reply came"};
+                pong = pong || frame->opcode == web_pong;
+                if (frame->opcode != web_binary) continue;
+                const auto decoded = decode_server(frame->payload);
+                if (decoded && std::holds_alternative<ClockReply>(*decoded)) break;
+            }
+            if (!pong) throw Failed{"the ping was not answered before the message's own reply"};
+        });
     add("session", "Hello, clock and list over a WebSocket", [](ServerTrial& trial) {
         WebPeer web = logged_in(trial);
         web.send(ClockRequest{1, 77});
@@ -164,10 +195,9 @@ void add_messages(Catalogue& all) {
             web.send(ClockRequest{1, INT64_MAX});
             if (await<Goodbye>(web).code != ErrorCode::value_out_of_range)
                 throw Failed{"the goodbye has another code than 106"};
-            const auto close = web.receive();
-            if (!close || close->opcode != web_close) throw Failed{"no close frame follows the goodbye"};
-            web.send_frame(0x80 | web_close, close->payload);
-            web.expect_end();
+            // 4000 + code, as none of RFC 6455's own codes says it.
+            constexpr uint16_t wanted = 4000 + static_cast<uint16_t>(ErrorCode::value_out_of_range);
+            expect_code(web.expect_end(), {wanted, 1011});
         });
     add("ping", "A ping is answered with its payload", [](ServerTrial& trial) {
         WebPeer web = logged_in(trial);
@@ -192,22 +222,21 @@ void add_messages(Catalogue& all) {
         web.send_frame(0x80 | web_continuation, whole.subspan(20));
         await<ClockReply>(web);
     });
-    const auto ends = [&](const char* id, const char* title, std::function<void(WebPeer&)> wrong) {
-        add(id, title, [wrong = std::move(wrong)](ServerTrial& trial) {
+    const auto ends = [&](const char* id, const char* title, std::function<void(WebPeer&)> wrong,
+                          std::vector<uint16_t> codes = {1002}) {
+        add(id, title, [wrong = std::move(wrong), codes = std::move(codes)](ServerTrial& trial) {
             WebPeer web = logged_in(trial);
             wrong(web);
-            // The answer to a close frame of the server's, so that it need not wait.
-            try {
-                while (const auto message = web.receive())
-                    if (message->opcode == web_close) web.send_frame(0x80 | web_close, message->payload);
-            } catch (const Failed&) {
-            }
-            web.expect_end();
+            const uint16_t code = web.expect_end();
+            trial.note(fmt::format("close code {}", code));
+            expect_code(code, codes);
         });
     };
-    ends("text", "A text message ends the session", [](WebPeer& web) {
-        web.send_frame(0x80 | web_text, encode(ClientMessage{ClockRequest{1, 1}}));
-    });
+    ends("text", "A text message ends the session",
+         [](WebPeer& web) {
+             web.send_frame(0x80 | web_text, encode(ClientMessage{ClockRequest{1, 1}}));
+         },
+         {1003, 4102});
     ends("not-masked", "A frame that is not masked ends the session", [](WebPeer& web) {
         web.send_frame(0x80 | web_binary, encode(ClientMessage{ClockRequest{1, 1}}), false);
     });
@@ -217,16 +246,38 @@ void add_messages(Catalogue& all) {
     ends("reserved-opcode", "A frame of a reserved opcode ends the session",
          [](WebPeer& web) { web.send_frame(0x83, Bytes(4)); });
     ends("too-long", "A message of more than frames may have ends the session",
-         [](WebPeer& web) { web.send_frame(0x80 | web_binary, Bytes(65536 + 8)); });
+         [](WebPeer& web) { web.send_frame(0x80 | web_binary, Bytes(65536 + 8)); }, {1009, 4101});
+    ends("too-long-in-fragments",
+         "Fragments that make a message of more than frames may have end the session",
+         [](WebPeer& web) {
+             for (int i = 0; i < 3; ++i)
+                 web.send_frame(i == 0 ? web_binary : web_continuation, Bytes(30'000));
+         },
+         {1009, 4101});
+    ends("announced-too-long",
+         "A frame that announces 2^40 bytes ends the session, at the latest when more come than may",
+         [](WebPeer& web) {
+             web.stream().send_bytes(Bytes{0x82, 0xff, 0, 0, 1, 0, 0, 0, 0, 0, 1, 2, 3, 4});
+             web.stream().send_bytes(Bytes(65'536 + 8));
+         },
+         {1009, 4101});
+    ends("message-within-message", "A message that begins within another ends the session", [](WebPeer& web) {
+        web.send_frame(web_binary, Bytes(8));
+        web.send_frame(web_last | web_binary, Bytes(8));
+    });
+    ends("ping-in-fragments", "A ping in fragments ends the session",
+         [](WebPeer& web) { web.send_frame(web_ping, Bytes(4)); });
     ends("long-control", "A ping of 126 bytes ends the session",
          [](WebPeer& web) { web.send_frame(0x80 | web_ping, Bytes(126)); });
     ends("continuation-first", "A continuation of nothing ends the session",
          [](WebPeer& web) { web.send_frame(0x80 | web_continuation, Bytes(4)); });
     ends("empty-message", "A message of no bytes ends the session",
-         [](WebPeer& web) { web.send_frame(0x80 | web_binary, {}); });
-    ends("close", "A close frame ends the session", [](WebPeer& web) {
-        web.send_frame(0x80 | web_close, std::array<uint8_t, 2>{3, 0xe8});
-    });
+         [](WebPeer& web) { web.send_frame(0x80 | web_binary, {}); }, {4102, 4103, 4105});
+    ends("close", "A close frame ends the session",
+         [](WebPeer& web) {
+             web.send_frame(0x80 | web_close, std::array<uint8_t, 2>{3, 0xe8});
+         },
+         {1000});
 }
 
 }  // namespace

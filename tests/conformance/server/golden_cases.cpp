@@ -116,9 +116,15 @@ void add_evolution(Catalogue& all) {
         hello.protocol_min = hello.protocol_max = 2;
         hello.view = view_of_water(trial.target());
         ServerPeer& peer = trial.log_in(hello);
+        bool planes = false;
+        peer.watch([&](const ServerMessage& message, int64_t) {
+            const auto* delta = std::get_if<Delta>(&message);
+            planes = planes || (delta != nullptr && delta->patch_form == PatchForm::planes);
+        });
         peer.await_result(0);
         peer.ask_boxes();
         peer.expect_service();
+        if (planes) throw Failed{"R-175: patches come as planes, which version 2 does not know"};
     }));
 }
 

@@ -1,5 +1,7 @@
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "protocol/model/probe_sum.hpp"
 #include "tests/conformance/server/refusals.hpp"
 
@@ -106,6 +108,56 @@ void add_probe_cases(Catalogue& all) {
             for (int64_t i = 0; i < static_cast<int64_t>(most_probe_points); ++i)
                 points.push_back({place.x + 7919 * i, place.z - 6007 * i});
             compare_here(trial, peer, points);
+        }));
+    all.push_back(server_case(
+        "R-163/as-many-as-fit", "A reply holds all points whose parts fit, and no more",
+        [](ServerTrial& trial) {
+            const LatticePoint place = trial.target().place;
+            ServerPeer& peer = probing(trial, {{place, 500 * 1024}});
+            const std::vector<LatticePoint> points(most_probe_points, place);
+            const InterestState state = peer.held().state();
+            const ProbeReply reply = ask(peer, peer.held().result(), peer.held().last()->key.from, points);
+            if (reply.stale) throw Skipped{"the sea changes too fast to be probed"};
+            const size_t each = probe_sum(state, reply.time, place).parts.size();
+            const size_t fit =
+                each == 0 ? points.size() : std::clamp<size_t>(most_probe_parts / each, 1, points.size());
+            trial.note(fmt::format("{} of {} points of {} parts", reply.points.size(), points.size(), each));
+            if (reply.points.size() != fit)
+                throw Failed{fmt::format("{} points of {} parts each were answered, not {}",
+                                         reply.points.size(), each, fit)};
+        }));
+    all.push_back(server_case(
+        "R-164/rate", "Of twelve probes in one write six or seven are answered, the others refused",
+        [](ServerTrial& trial) {
+            ServerPeer& peer = probing(trial);
+            Bytes together;
+            constexpr uint32_t count = 12;
+            for (uint32_t i = 0; i < count; ++i) {
+                Probe probe;
+                probe.sequence = peer.next_sequence();
+                probe.result = peer.held().result();
+                probe.time = peer.held().last()->key.from;
+                probe.points = {trial.target().place};
+                const Bytes framed = frame(encode(ClientMessage{probe}));
+                together.insert(together.end(), framed.begin(), framed.end());
+            }
+            peer.send_bytes(together);
+            uint32_t answered = 0;
+            uint32_t refused = 0;
+            const Deadline deadline(trial.target().patience);
+            while (answered + refused < count) {
+                const auto message = peer.receive(deadline.left());
+                if (!message)
+                    throw Failed{fmt::format("{} probes were answered and {} refused, of {}", answered,
+                                             refused, count)};
+                answered += std::holds_alternative<ProbeReply>(*message);
+                const auto* reply = std::get_if<CommandReply>(&*message);
+                refused += reply != nullptr && reply->code == ErrorCode::rate_limited;
+            }
+            trial.note(fmt::format("{} answered, {} refused", answered, refused));
+            // Two a second come to be free while they are read.
+            if (answered < 6 || answered > 8) throw Failed{fmt::format("{} were answered at once", answered)};
+            peer.expect_service();
         }));
     all.push_back(server_case("R-162/stale", "A probe of another result than the last is answered as stale",
                               [](ServerTrial& trial) {

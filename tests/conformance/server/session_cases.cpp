@@ -413,9 +413,9 @@ void add_roles(Catalogue& all) {
     all.push_back(
         needs_role("R-127/viewer-rate", "A viewer sets the rate of time", Role::viewer, SetRate{1U << 16}));
     all.push_back(needs_role("R-127/viewer-skip", "A viewer skips time", Role::viewer, SkipTime{1000000}));
-    all.push_back(needs_role("R-127/director-rate", "A director sets the rate of time, as only admins may",
+    all.push_back(needs_role("R-151/director-rate", "A director sets the rate of time, as only admins may",
                              Role::director, SetRate{1U << 16}));
-    all.push_back(needs_role("R-127/director-skip", "A director skips time, as only admins may",
+    all.push_back(needs_role("R-151/director-skip", "A director skips time, as only admins may",
                              Role::director, SkipTime{1000000}));
     all.push_back(server_case("R-127/viewer-list", "A viewer lists the boxes", [](ServerTrial& trial) {
         const BoxList list = trial.log_in().ask_boxes();

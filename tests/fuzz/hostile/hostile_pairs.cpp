@@ -56,8 +56,22 @@ public:
             what, 2,
             [&](Dice& dice, ServerMessage& message) {
                 Delta& d = std::get<Delta>(message);
+                d.patch_form = PatchForm::lists;
                 d.change = random_change(dice, 2, 2, 3, 1);
                 for (PatchDescriptor& p : d.change.patches) p.boxes = {{{1}, 2}, {{5}, 6}};
+                change(dice, d);
+            },
+            code);
+    }
+    /// Of a delta whose patches are planes.
+    template <class Change>
+    void planes(const char* what, Change change, ErrorCode code = range) {
+        delta(
+            what,
+            [&](Dice& dice, Delta& d) {
+                d.change.patches[2].key = {20, 4, 4};
+                d.change.removed_patches = {{18, 5, -6}, {19, 5, -6}};
+                set_planes(d);
                 change(dice, d);
             },
             code);
@@ -236,6 +250,50 @@ void add_delta_pairs(Pairs& p) {
         ErrorCode::too_many_boxes);
 }
 
+void add_plane_pairs(Pairs& p) {
+    p.planes("planes: patches not by ascending key",
+             [](Dice&, Delta& m) { std::swap(m.change.patches[1], m.change.patches[2]); });
+    p.planes("planes: a patch twice", [](Dice&, Delta& m) { m.change.patches[1] = m.change.patches[0]; });
+    p.planes("planes: removed patches not by ascending key",
+             [](Dice&, Delta& m) { std::swap(m.change.removed_patches[0], m.change.removed_patches[1]); });
+    p.planes("planes: a removed patch twice",
+             [](Dice&, Delta& m) { m.change.removed_patches[1] = m.change.removed_patches[0]; });
+    p.planes("planes: a patch of no level", [](Dice& d, Delta& m) {
+        m.change.patches[2].key.level = static_cast<uint8_t>(d.between(27, 255));
+    });
+    p.planes("planes: a removed patch of no level", [](Dice& d, Delta& m) {
+        m.change.removed_patches[0].level = static_cast<uint8_t>(d.between(0, 14));
+    });
+    p.planes("planes: a patch outside the world for its level", [](Dice& d, Delta& m) {
+        const auto level = static_cast<uint8_t>(d.between(16, 26));
+        m.change.patches = {
+            {{level, 0, d.coin() ? 1 << (35 - level) : -(1 << (35 - level)) - 1}, {}, 0.0F, 0.0F}};
+    });
+    p.planes("planes: more trains than a box has", [](Dice& d, Delta& m) {
+        m.change.patches[1].boxes[1].train_count = static_cast<uint16_t>(d.between(257, 65534));
+    });
+    p.planes("planes: a bound below 0", [](Dice& d, Delta& m) {
+        m.change.patches[static_cast<size_t>(d.between(0, 2))].left_out = -d.real(0.0F, 2.0F);
+    });
+    p.planes(
+        "planes: a bound that is no number",
+        [](Dice& d, Delta& m) {
+            m.change.patches[static_cast<size_t>(d.between(0, 2))].height_error =
+                (d.coin() ? 1.0F : -1.0F) * std::numeric_limits<float>::quiet_NaN();
+        },
+        ErrorCode::not_finite);
+    p.planes("planes: more than 1,024 patches", [](Dice&, Delta& m) {
+        m.change.patches.clear();
+        for (int32_t x = 0; x <= 1024; ++x) m.change.patches.push_back({{16, x, 0}, {}, 0.0F, 0.0F});
+    });
+    p.planes("planes: more than 65,536 boxes together", [](Dice&, Delta& m) {
+        std::vector<PatchBox> boxes;
+        for (uint32_t box = 1; box <= 1024; ++box) boxes.push_back({{box}, 1});
+        m.change.patches.clear();
+        for (int32_t x = 0; x <= 64; ++x) m.change.patches.push_back({{16, x, 0}, boxes, 0.0F, 0.0F});
+    });
+}
+
 void add_box_pairs(Pairs& p) {
     p.box("box: ends before it begins",
           [](Dice& d, WaveTrainBox& b) { b.begin = {5}, b.end = {5 - d.between(1, 99)}; });
@@ -311,6 +369,7 @@ void add_contradictions(std::vector<HostileVector>& out) {
     add_client_pairs(pairs);
     add_server_pairs(pairs);
     add_delta_pairs(pairs);
+    add_plane_pairs(pairs);
     add_box_pairs(pairs);
     for (uint32_t from = 10; from < 10 + rounds; ++from) {
         Dice dice(from);

@@ -23,8 +23,11 @@ using Clock = std::chrono::steady_clock;
 // A connected socket that can be waited on with a deadline.
 class WaitingSocket {
 public:
-    WaitingSocket(uint16_t port, const std::string& address) {
-        socket.connect({asio::ip::make_address(address), port});
+    WaitingSocket(uint16_t port, const std::string& address, const std::string& from) {
+        const Tcp::endpoint server(asio::ip::make_address(address), port);
+        socket.open(server.protocol());
+        if (!from.empty()) socket.bind({asio::ip::make_address(from), 0});
+        socket.connect(server);
         socket.set_option(Tcp::no_delay(true));
     }
     bool wait(Tcp::socket::wait_type what, Clock::time_point until) {
@@ -45,7 +48,7 @@ public:
 
 class TcpPipe final : public BytePipe {
 public:
-    TcpPipe(uint16_t port, const std::string& address) : at_(port, address) {}
+    TcpPipe(uint16_t port, const std::string& address, const std::string& from) : at_(port, address, from) {}
 
     bool write(std::span<const uint8_t> bytes) override {
         error_code failed;
@@ -61,6 +64,10 @@ public:
         return failed ? 0 : bytes;
     }
     bool ended() const override { return ended_; }
+    void finish_writing() override {
+        error_code ignored;
+        at_.socket.shutdown(Tcp::socket::shutdown_send, ignored);
+    }
     void close() override {
         error_code ignored;
         at_.socket.close(ignored);
@@ -107,7 +114,7 @@ const BIO_METHOD* drip_method() {
 
 class TlsPipe final : public BytePipe {
 public:
-    TlsPipe(uint16_t port, const TlsWish& wish) : at_(port, "127.0.0.1") {
+    TlsPipe(uint16_t port, const TlsWish& wish) : at_(port, "127.0.0.1", wish.from) {
         at_.socket.non_blocking(true);
         SSL_CTX_set_min_proto_version(context_.get(), TLS1_2_VERSION);
         if (wish.old_tls) SSL_CTX_set_max_proto_version(context_.get(), TLS1_2_VERSION);
@@ -118,6 +125,7 @@ public:
         SSL_set_bio(ssl_.get(), bio, bio);
         SSL_set_tlsext_host_name(ssl_.get(), wish.host.c_str());
         if (!wish.trusted.empty()) SSL_set1_host(ssl_.get(), wish.host.c_str());
+        if (!wish.groups.empty()) SSL_set1_groups_list(ssl_.get(), wish.groups.c_str());
         if (!wish.protocols.empty())
             SSL_set_alpn_protos(ssl_.get(), reinterpret_cast<const unsigned char*>(wish.protocols.data()),
                                 static_cast<unsigned>(wish.protocols.size()));
@@ -139,6 +147,11 @@ public:
         return bytes > 0 ? static_cast<size_t>(bytes) : 0;
     }
     bool ended() const override { return ended_; }
+    void finish_writing() override {
+        SSL_shutdown(ssl_.get());
+        error_code ignored;
+        at_.socket.shutdown(Tcp::socket::shutdown_send, ignored);
+    }
     void close() override {
         error_code ignored;
         at_.socket.close(ignored);
@@ -207,8 +220,8 @@ std::string BytePipe::read_all(Milliseconds within) {
     return all;
 }
 
-std::unique_ptr<BytePipe> connect_tcp(uint16_t port, const std::string& address) {
-    return std::make_unique<TcpPipe>(port, address);
+std::unique_ptr<BytePipe> connect_tcp(uint16_t port, const std::string& address, const std::string& from) {
+    return std::make_unique<TcpPipe>(port, address, from);
 }
 
 std::unique_ptr<BytePipe> connect_tls(uint16_t port, const TlsWish& wish) {

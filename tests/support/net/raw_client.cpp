@@ -128,6 +128,13 @@ bool RawClient::acknowledge(const Delta& result, std::optional<uint64_t> known_a
     return send(Ack{result.result, hash_of(state_), 0, known_answer});
 }
 
+std::optional<Delta> RawClient::enter() {
+    if (!log_in()) return std::nullopt;
+    auto first = next_result();
+    if (first && !acknowledge(*first)) return std::nullopt;
+    return first;
+}
+
 bool RawClient::closed() const { return impl_->closed; }
 
 bool RawClient::ends(Milliseconds within) {

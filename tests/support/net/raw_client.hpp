@@ -46,6 +46,8 @@ public:
     /// Takes messages until a result is whole, applies it to `state` and gives its last piece.
     std::optional<Delta> next_result(Milliseconds within = patience);
     bool acknowledge(const Delta& result, std::optional<uint64_t> known_answer = {});
+    /// Logs in as usual, takes the first result and acknowledges it.
+    std::optional<Delta> enter();
     /// The stream has ended.
     bool closed() const;
     /// Reads until the stream ends; true where it does within the deadline.

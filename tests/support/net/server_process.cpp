@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <sched.h>
 #include <spawn.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -74,6 +75,8 @@ void pin_task(int task, const std::vector<int>& cores) {
     CPU_ZERO(&set);
     for (const int core : cores) CPU_SET(static_cast<size_t>(core), &set);
     sched_setaffinity(task, sizeof set, &set);
+    // A thread that gives way to others of its own will goes on doing so.
+    if (getpriority(PRIO_PROCESS, static_cast<id_t>(task)) > 0) return;
     sched_param first{};
     first.sched_priority = 1;
     sched_setscheduler(task, SCHED_RR, &first);
@@ -161,7 +164,8 @@ void pin_ourselves(const std::vector<int>& cores) { pin_process("/proc/self/task
 
 void give_way_to_others() {
     const sched_param none{};
-    sched_setscheduler(0, SCHED_OTHER, &none);
+    // Idle class: also the kernel's own threads, which deliver everybody's packets, go first.
+    sched_setscheduler(0, SCHED_IDLE, &none);
 }
 
 void ServerProcess::freeze() const { ::kill(process_, SIGSTOP); }
@@ -207,6 +211,16 @@ uint64_t ServerProcess::connections() const {
     if (from == std::string::npos) return 0;
     const std::string part = said.substr(from);
     if (!std::regex_search(part, found, std::regex("stopped: (\\d+) connections"))) return 0;
+    return std::stoull(found[1]);
+}
+
+uint64_t ServerProcess::connections_at_the_door() const {
+    std::smatch found;
+    const std::string said = log();
+    const size_t from = said.rfind("at the door: ");
+    if (from == std::string::npos) return 0;
+    const std::string part = said.substr(from);
+    if (!std::regex_search(part, found, std::regex("at the door: (\\d+) connections"))) return 0;
     return std::stoull(found[1]);
 }
 

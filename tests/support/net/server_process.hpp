@@ -42,6 +42,8 @@ public:
     std::map<uint32_t, uint64_t> ended_by_code() const;
     /// Sessions and connections that the server has counted; after `stop`.
     uint64_t connections() const;
+    /// Connections that came to the door, whatever became of them; after `stop`.
+    uint64_t connections_at_the_door() const;
 
 private:
     bool over(int& status) const;

@@ -5,6 +5,7 @@
 #include <future>
 
 #include "protocol/model/self_check.hpp"
+#include "protocol/wire/requirements.hpp"
 #include "tests/support/net/raw_server.hpp"
 
 namespace trochoid {
@@ -242,6 +243,28 @@ TEST_F(SessionTest, a_goodbye_without_retry_is_the_end) {
     EXPECT_EQ(session.statistics().sentence, "the server says: update the client");
     server.hang_up();
     EXPECT_FALSE(server.accept(milliseconds(1200)));
+}
+
+// A client's own messages break R-125 where they do not ascend, a server's results R-134.
+TEST_F(SessionTest, a_result_out_of_order_is_named_by_its_requirement) {
+    OceanSession session(options_for(server));
+    const auto hello = server.log_in();
+    ASSERT_TRUE(hello);
+    server.send(empty_result(2, hello->regions));
+    const auto goodbye = server.wait_for<Goodbye>();
+    ASSERT_TRUE(goodbye);
+    EXPECT_EQ(goodbye->code, ErrorCode::sequence_not_monotone);
+    EXPECT_EQ(goodbye->requirement, requirement::result_order);
+}
+
+TEST_F(SessionTest, a_tile_without_a_grid_is_named_by_its_requirement) {
+    OceanSession session(options_for(server));
+    ASSERT_TRUE(server.log_in());
+    server.send(TerrainTiles{});
+    const auto goodbye = server.wait_for<Goodbye>();
+    ASSERT_TRUE(goodbye);
+    EXPECT_EQ(goodbye->code, ErrorCode::unexpected_message);
+    EXPECT_EQ(goodbye->requirement, 136U);
 }
 
 // Land that needs more look-up than this client has: nobody has broken the protocol, and trying again would come to the same.

@@ -203,6 +203,24 @@ Delta laden_delta() {
     return d;
 }
 
+/// Patches as planes: runs, boxes that come and go, counts of 0 and 256, levels and signs that change.
+Delta delta_of_patches() {
+    Delta d;
+    d.result = 7;
+    d.last = true;
+    d.base = 6;
+    d.key.anchor = fixed_view();
+    d.patch_form = PatchForm::planes;
+    for (int32_t z = -3; z < 4; ++z)
+        d.change.patches.push_back(
+            {{15, -2, z}, {{{1}, 8}, {{7}, 256}}, 0.0F, 0.001F * static_cast<float>(z + 4)});
+    d.change.patches.push_back({{16, 0, 2}, {{{7}, 255}}, 0.125F, 0.25F});
+    d.change.patches.push_back({{16, 1, -2}, {}, 0.125F, 0.25F});
+    d.change.patches.push_back({{26, -512, 511}, {{{1}, 0}, {{7}, 4}, {{300'000}, 1}}, 1.5F, 3.4e38F});
+    d.change.removed_patches = {{15, -1, -1}, {15, -1, 0}, {22, 8191, -8192}};
+    return d;
+}
+
 BoxSummary summary() {
     return {{13}, "MS M\xc3\xa5ke", {8'000'000}, end_of_time, 60'000'000, 0, 0.5F, 0.0F, 67.5F,
             1.0F, BoxKind::ship,    {4096, 0},   10.0F,       -0.5F,      {}};
@@ -256,9 +274,11 @@ std::vector<FixedMessage> fixed_messages() {
         list,
         Goodbye{ErrorCode::shutting_down, "come back in a second", true, 1000, 0, 0},
         server_hello_again(),
-        probe_reply()};
-    const char* server_names[] = {"hello",    "delta",   "delta_of_laden_boxes", "terrain_tile", "samples",
-                                  "box_list", "goodbye", "hello_again",          "probe_reply"};
+        probe_reply(),
+        delta_of_patches()};
+    const char* server_names[] = {
+        "hello",    "delta",   "delta_of_laden_boxes", "terrain_tile", "samples",
+        "box_list", "goodbye", "hello_again",          "probe_reply",  "delta_of_patches"};
     std::vector<FixedMessage> all;
     for (size_t i = 0; i < std::size(client); ++i)
         all.push_back({"client", client_names[i], encode(client[i])});

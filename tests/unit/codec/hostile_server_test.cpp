@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "protocol/codec/codec.hpp"
+#include "protocol/codec/patch_coding.hpp"
 #include "protocol/codec/plane_coding.hpp"
 #include "server_generated.h"
 #include "tests/unit/codec/random_messages.hpp"
@@ -34,6 +35,7 @@ ErrorCode bent(const ServerMessage& message, Bend bend) {
 Delta full_delta() {
     Dice dice(31);
     Delta d = std::get<Delta>(random_server_message(dice, 2));
+    d.patch_form = PatchForm::lists;
     d.change = random_change(dice, 2, 2, 3, 1);
     // Not a ship: tests bend its trains.
     d.change.boxes[0] = std::make_shared<WaveTrainBox>(random_box(dice, d.change.boxes[0]->id.value, 5));
@@ -286,6 +288,28 @@ TEST(HostileServer, MissingParts) {
                   return wire_fb::CreateDelta(b, 1, 0, true, 0, 0, 0, key, 0, boxes);
               }),
               ErrorCode::verification_failed);
+}
+
+TEST(HostileServer, PatchesInBothForms) {
+    using flatbuffers::FlatBufferBuilder;
+    using Key = flatbuffers::Offset<wire_fb::CullKey>;
+    InterestDelta change;
+    change.removed_patches = {{16, 1, 1}};
+    const Bytes planes = code_patches(change, {});
+    const auto code = [&](bool listed, bool removed, const Bytes& bytes) {
+        return built_delta([&](FlatBufferBuilder& b, Key key) {
+            const auto patches =
+                b.CreateVectorOfStructs(std::vector<wire_fb::Patch>{{0, 0, 0.0F, 0.0F, 0, 16}});
+            const auto names = b.CreateVectorOfStructs(std::vector<wire_fb::PatchName>{{1, 1, 16}});
+            const auto planes_at = b.CreateVector(bytes);
+            return wire_fb::CreateDelta(b, 1, 0, true, 0, 0, 0, key, 0, 0, 0, 0, 0, 0, 0,
+                                        listed ? patches : 0, 0, removed ? names : 0, planes_at);
+        });
+    };
+    EXPECT_EQ(code(false, false, planes), ErrorCode::none);
+    EXPECT_EQ(code(true, false, planes), ErrorCode::value_out_of_range);
+    EXPECT_EQ(code(false, true, planes), ErrorCode::value_out_of_range);
+    EXPECT_EQ(code(false, false, {}), ErrorCode::value_out_of_range);
 }
 
 TEST(HostileServer, AMisalignedVectorOfStructsIsRefused) {

@@ -243,6 +243,7 @@ Delta delta(Dice& d) {
     out.watermark = sea_time(d);
     const auto few = [&] { return static_cast<size_t>(d.between(0, 4)); };
     out.change = random_change(d, few(), few(), few() * 8, few());
+    if (d.coin()) set_planes(out);
     return out;
 }
 
@@ -477,6 +478,18 @@ InterestDelta random_change(Dice& d, size_t boxes, size_t blocks, size_t patches
         c.removed_patches.push_back(patch_key());
     }
     return c;
+}
+
+void set_planes(Delta& delta) {
+    delta.patch_form = PatchForm::planes;
+    std::vector<PatchDescriptor>& patches = delta.change.patches;
+    const auto key_of = [](const PatchDescriptor& patch) { return patch.key; };
+    std::ranges::sort(patches, {}, key_of);
+    const auto twice = std::ranges::unique(patches, {}, key_of);
+    patches.erase(twice.begin(), twice.end());
+    std::vector<PatchKey>& removed = delta.change.removed_patches;
+    std::ranges::sort(removed);
+    removed.erase(std::unique(removed.begin(), removed.end()), removed.end());
 }
 
 ClientMessage random_client_message(Dice& d, size_t index) {

@@ -44,6 +44,9 @@ WaveTrainBox random_ship(Dice& dice, uint32_t id);
 LandBlock random_block(Dice& dice, BlockKey key);
 InterestDelta random_change(Dice& dice, size_t boxes, size_t blocks, size_t patches, size_t removals);
 
+/// Lets the patches travel as planes: they ascend by key, each once.
+void set_planes(Delta& delta);
+
 /// Equal down to what their pointers point to.
 bool same(const InterestDelta& a, const InterestDelta& b);
 bool same(const ServerMessage& a, const ServerMessage& b);

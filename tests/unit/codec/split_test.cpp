@@ -35,10 +35,11 @@ InterestDelta joined(const std::vector<Delta>& pieces) {
 TEST(Split, EveryPieceFitsAndAllTogetherAreTheChange) {
     Dice dice(21);
     size_t most_pieces = 0;
-    for (int i = 0; i < 12; ++i) {
+    for (int i = 0; i < 24; ++i) {
         const auto many = [&](int64_t most) { return static_cast<size_t>(dice.between(0, most)); };
         const InterestDelta change = random_change(dice, many(40), many(60), many(1024), many(400));
-        const Delta header = header_with_regions(dice);
+        Delta header = header_with_regions(dice);
+        header.patch_form = i % 2 == 0 ? PatchForm::lists : PatchForm::planes;
         const std::vector<Delta> pieces = split(header, change, frame_limit);
         most_pieces = std::max(most_pieces, pieces.size());
         for (size_t p = 0; p < pieces.size(); ++p) {
@@ -63,6 +64,11 @@ TEST(Split, EveryPieceFitsAndAllTogetherAreTheChange) {
                    std::tie(b.field, b.step_log2, b.block->key, b.block);
         };
         InterestDelta expected = change;
+        if (header.patch_form == PatchForm::planes)
+            for (InterestDelta* delta : {&all, &expected}) {
+                std::ranges::sort(delta->patches, {}, [](const PatchDescriptor& p) { return p.key; });
+                std::ranges::sort(delta->removed_patches);
+            }
         std::sort(all.blocks.begin(), all.blocks.end(), by_place);
         std::sort(expected.blocks.begin(), expected.blocks.end(), by_place);
         EXPECT_TRUE(same(all, expected));
@@ -74,11 +80,30 @@ TEST(Split, PiecesAreWellFilled) {
     Dice dice(22);
     Delta header = header_with_regions(dice);
     header.key.regions.clear();
-    const std::vector<Delta> pieces = split(header, random_change(dice, 0, 0, 1024, 0), frame_limit);
-    ASSERT_GT(pieces.size(), 2U);
-    for (const Delta& piece : pieces)
-        EXPECT_TRUE(piece.last || encode(ServerMessage{piece}).size() > frame_limit * 6 / 10)
-            << "piece " << piece.piece;
+    for (const PatchForm form : {PatchForm::lists, PatchForm::planes}) {
+        header.patch_form = form;
+        const std::vector<Delta> pieces = split(header, random_change(dice, 0, 0, 1024, 0), frame_limit);
+        ASSERT_GT(pieces.size(), 1U);
+        for (const Delta& piece : pieces)
+            EXPECT_TRUE(piece.last || encode(ServerMessage{piece}).size() > frame_limit * 98 / 100)
+                << "piece " << piece.piece;
+    }
+}
+
+TEST(Split, ThePatchesOfAPieceAreTheNextByPriority) {
+    Dice dice(27);
+    Delta header = header_with_regions(dice);
+    header.patch_form = PatchForm::planes;
+    const InterestDelta change = random_change(dice, 0, 0, 1024, 0);
+    auto next = change.patches.begin();
+    for (const Delta& piece : split(header, change, 6000)) {
+        std::vector<PatchDescriptor> due(next,
+                                         next + static_cast<std::ptrdiff_t>(piece.change.patches.size()));
+        next += static_cast<std::ptrdiff_t>(due.size());
+        std::ranges::sort(due, {}, [](const PatchDescriptor& p) { return p.key; });
+        EXPECT_EQ(piece.change.patches, due);
+    }
+    EXPECT_EQ(next, change.patches.end());
 }
 
 TEST(Split, NothingToSayIsOneLastPiece) {
@@ -92,7 +117,7 @@ TEST(Split, NothingToSayIsOneLastPiece) {
 
 TEST(Split, TheLargestBoxTheRoughestBlockAndTheBusiestPatchFitAlone) {
     Dice dice(24);
-    const Delta header = header_with_regions(dice);
+    Delta header = header_with_regions(dice);
     InterestDelta change;
     WaveTrainBox largest = random_box(dice, 9, 256);
     for (uint32_t i = 0; i < 256; ++i) largest.trains[i].field = {300 + i};
@@ -117,8 +142,11 @@ TEST(Split, TheLargestBoxTheRoughestBlockAndTheBusiestPatchFitAlone) {
     PatchDescriptor busy;
     for (uint32_t box = 1; box <= 1024; ++box) busy.boxes.push_back({{box}, 64});
     change.patches.push_back(busy);
-    for (const Delta& piece : split(header, change, frame_limit))
-        EXPECT_LE(encode(ServerMessage{piece}).size(), frame_limit);
+    for (const PatchForm form : {PatchForm::lists, PatchForm::planes}) {
+        header.patch_form = form;
+        for (const Delta& piece : split(header, change, frame_limit))
+            EXPECT_LE(encode(ServerMessage{piece}).size(), frame_limit);
+    }
 }
 
 TEST(Split, ABlockComesWithTheFirstPatchOverIt) {
@@ -145,15 +173,18 @@ TEST(Split, AppliedPieceByPieceTheStateIsTheSame) {
     while (target.blocks.size() > 20) target.blocks.erase(target.blocks.begin());
     Delta header = header_with_regions(dice);
     header.state_hash = hash_of(target);
-    InterestState client = base;
-    for (const Delta& piece : split(header, difference(base, target), 12000)) {
-        const auto came = decode_server(encode(ServerMessage{piece}));
-        ASSERT_TRUE(came) << came.error().message;
-        const Delta& delta = std::get<Delta>(*came);
-        apply(client, delta.change);
-        EXPECT_TRUE(!delta.last || delta.state_hash == hash_of(client));
+    for (const PatchForm form : {PatchForm::lists, PatchForm::planes}) {
+        header.patch_form = form;
+        InterestState client = base;
+        for (const Delta& piece : split(header, difference(base, target), 12000)) {
+            const auto came = decode_server(encode(ServerMessage{piece}));
+            ASSERT_TRUE(came) << came.error().message;
+            const Delta& delta = std::get<Delta>(*came);
+            apply(client, delta.change);
+            EXPECT_TRUE(!delta.last || delta.state_hash == hash_of(client));
+        }
+        EXPECT_EQ(hash_of(client), hash_of(target));
     }
-    EXPECT_EQ(hash_of(client), hash_of(target));
 }
 
 }  // namespace

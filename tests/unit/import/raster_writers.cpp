@@ -15,6 +15,7 @@ int mode_of(NetcdfSpec::Format format) {
     switch (format) {
         case NetcdfSpec::Format::classic: return NC_CLOBBER;
         case NetcdfSpec::Format::offset_64: return NC_CLOBBER | NC_64BIT_OFFSET;
+        case NetcdfSpec::Format::data_64: return NC_CLOBBER | NC_64BIT_DATA;
         default: return NC_CLOBBER | NC_NETCDF4;
     }
 }

@@ -12,7 +12,7 @@ namespace trochoid {
 /// A small netCDF for a test. Sample (c, r) lies at x = first_x + c * step_x, y = first_y + r * step_y and holds
 /// height(x, y), packed as (height - add_offset) / scale_factor.
 struct NetcdfSpec {
-    enum class Format { classic, offset_64, netcdf4 };
+    enum class Format { classic, offset_64, data_64, netcdf4 };
 
     std::size_t columns = 0;
     std::size_t rows = 0;

@@ -5,6 +5,7 @@
 
 #include "protocol/codec/codec.hpp"
 #include "protocol/units/operator_error.hpp"
+#include "server/app/land_change.hpp"
 #include "server/app/replay.hpp"
 #include "server/land/land_trace.hpp"
 #include "server/world/terrain_edit.hpp"
@@ -275,6 +276,47 @@ TEST_F(LandLimits, WaitingChangesOfTheLandAreTracedTogether) {
     EXPECT_EQ(*state()->terrain, *edited(*terrain, changes)->terrain);
     EXPECT_LE(last, replies.front().effective + land_fade_us) << "one cross-fade after the first";
     expect_a_follower_agrees(terrain, clock);
+}
+
+/// Land blocks that a change of the island brings up under scene_with_wind's wind.
+size_t blocks_of(const ChangeLand& change, const Scene& scene) {
+    const LandSettings settings = land_settings_of(SceneLand{});
+    World world("test", island(), {});
+    const auto planned = world.plan(scene.winds.front());
+    Derived derived;
+    derived.lands.push_back(trace_land(planned->box, *island(), {1}, settings));
+    LogEvent event{1, planned->box.begin, world.fit_to_land(*planned, derived.lands.front())};
+    const Bytes bytes = encode(event);
+    world.apply(event, bytes, std::move(derived));
+    const std::vector<BoxId> boxes{{1}};
+    const auto outcome =
+        trace_edit(world.state(), edited(*island(), change).value(), boxes, settings, SIZE_MAX, nullptr);
+    size_t blocks = 0;
+    for (const Retraced& next : outcome->touched) blocks += blocks_of(next.land);
+    return blocks;
+}
+
+// Where the one before it finds no room after all, one that would have changed nothing after that does change something.
+TEST_F(LandLimits, WhatWasRefusedBecauseOfAnotherIsTriedWithoutIt) {
+    const auto short_bar = [](double x) {
+        ChangeLand change = bar(-2.0F, x);
+        change.line = {{to_lattice(x), to_lattice(1300)}, {to_lattice(x), to_lattice(1500)}};
+        return change;
+    };
+    const ChangeLand beside = short_bar(1500.0);
+    const ChangeLand large = bar(-2.0F);
+    const ChangeLand part_of_it = short_bar(-1500.0);
+    const size_t first = blocks_of(beside, scene_with_wind());
+    const size_t most = blocks_of(large, scene_with_wind());
+    const size_t least = blocks_of(part_of_it, scene_with_wind());
+    most_land_blocks = blocks_of_one_wind() + first + least + 8;
+    ASSERT_GT(most, std::max(most_land_blocks / 2, least + 8)) << first << " " << least;
+    start(island(), scene_with_wind());
+    const auto replies = together({beside, large, part_of_it});
+    for (const CommandReply& reply : replies)
+        EXPECT_EQ(reply.code, reply.sequence == 2 ? ErrorCode::too_much_land : ErrorCode::none)
+            << reply.sequence << ": " << reply.message;
+    EXPECT_EQ(*state()->terrain, *edited(*island(), std::vector{beside, part_of_it})->terrain);
 }
 
 class LandOfSessions : public LandLimits {

@@ -51,7 +51,8 @@ protected:
         worker = std::make_unique<LandWorker>(loop, terrain, land_settings_of(scene.land));
         authority = std::make_unique<SeaAuthority>(loop, *world, log, *worker, lead_ms);
         authority->open(scene);
-        sea = std::make_unique<SeaService>(*authority, WorldInstance{}, *door);
+        aside = std::make_unique<ResultWorker>(loop);
+        sea = std::make_unique<SeaService>(*authority, WorldInstance{}, *door, aside.get());
         sessions = std::make_unique<SessionServer>(loop, *sea, Limits{});
         authority->on_change([this] { sessions->sea_changed(); });
         listener = std::make_unique<Listener>(loop, ListenAddresses{}, [this](std::unique_ptr<Transport> t) {
@@ -112,6 +113,7 @@ protected:
     std::unique_ptr<World> world;
     std::unique_ptr<LandWorker> worker;
     std::unique_ptr<SeaAuthority> authority;
+    std::unique_ptr<ResultWorker> aside;
     std::unique_ptr<SeaService> sea;
     std::unique_ptr<SessionServer> sessions;
     std::unique_ptr<Listener> listener;

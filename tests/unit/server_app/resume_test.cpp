@@ -228,10 +228,7 @@ TEST_F(ComingBack, TheLogSaysItsHashAtEveryPosition) {
 TEST_F(ComingBack, SkippedTimeOpensAnEpoch) {
     start(nullptr, scene_with_wind());
     RawClient client(listener->port());
-    ASSERT_TRUE(client.log_in());
-    const auto first = client.next_result();
-    ASSERT_TRUE(first);
-    client.acknowledge(*first);
+    ASSERT_TRUE(client.enter());
     const SeaTime promised = watermark();
     const SeaTime before = on_loop([this] { return authority->now(); });
     constexpr int64_t forward_us = 600 * microseconds_per_second;

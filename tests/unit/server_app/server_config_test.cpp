@@ -70,25 +70,28 @@ TEST(ServerConfigs, TheDoor) {
     EXPECT_EQ(usual.addresses, plain->bind);
     EXPECT_FALSE(usual.allow_plaintext);
     EXPECT_FALSE(plain->door.tls());
+    EXPECT_EQ(plain->door.logins_per_address, 10U);
 
-    const auto full = parse({"--scene", "a", "--tls-cert", "c", "--tls-key", "k", "--allow-plaintext",
-                             "--allow-origin", "https://a", "--allow-origin", "https://b", "--allow-host",
-                             "h", "--connections-per-address", "5", "--drain-ms", "700"});
+    const auto full =
+        parse({"--scene", "a", "--tls-cert", "c", "--tls-key", "k", "--allow-plaintext", "--allow-origin",
+               "https://a", "--allow-origin", "https://b", "--allow-host", "h", "--connections-per-address",
+               "5", "--logins-per-address", "3", "--drain-ms", "700"});
     ASSERT_TRUE(full);
-    EXPECT_EQ(full->door, (DoorOptions{"c", "k", true, {"https://a", "https://b"}, {"h"}, 5, 700}));
+    EXPECT_EQ(full->door, (DoorOptions{"c", "k", true, {"https://a", "https://b"}, {"h"}, 5, 3, 700}));
     const DoorPolicy policy = policy_of(full->door, full->bind);
     EXPECT_EQ(policy.connections_per_address, 5U);
     EXPECT_EQ(policy.connections_per_loopback_address, 5U);
     EXPECT_TRUE(policy.origin_allowed("https://b"));
     EXPECT_TRUE(policy.host_allowed("h:1"));
-    for (const char* part :
-         {"TLS c k", "plaintext for all", "https://a https://b", "address 5", "drain 700 ms"})
+    for (const char* part : {"TLS c k", "plaintext for all", "https://a https://b",
+                             "connections per address 5", "logins per address 3 a second", "drain 700 ms"})
         EXPECT_NE(text_of(*full).find(part), std::string::npos) << part;
 
     EXPECT_THROW(parse({"--scene", "a", "--tls-cert", "c"}), OperatorError);
     EXPECT_THROW(parse({"--scene", "a", "--tls-key", "k"}), OperatorError);
     EXPECT_THROW(parse({"--scene", "a", "--tls-cert", "", "--tls-key", "k"}), OperatorError);
     EXPECT_THROW(parse({"--scene", "a", "--connections-per-address", "-1"}), OperatorError);
+    EXPECT_THROW(parse({"--scene", "a", "--logins-per-address", "-1"}), OperatorError);
     EXPECT_THROW(parse({"--scene", "a", "--drain-ms", "600001"}), OperatorError);
 }
 

@@ -337,5 +337,122 @@ TEST(TwoNodes, AWatermarkEndsALeadAfterTheLastLook) {
     EXPECT_GE(b.authority.watermark(), promised + 30'000);
 }
 
+// A node that comes back replays the log and goes on with the numbers of its events where its earlier life stopped: an event under a
+// number that the log knows already would be lost.
+TEST(TwoNodes, AReplayedNodeGoesOnWithItsNumbers) {
+    for (const uint32_t number : {0U, 7U}) {
+        IoLoop loop;
+        InMemoryEventLog log;
+        const SeaClock clock = clock_from_now();
+        {
+            Node first(loop, log, nullptr, clock, number);
+            first.authority.open(one_wind());
+            for (int i = 0; i < 100; ++i)
+                first.authority.command({1, {}, false, SetRate{1U << 16}}, [](const CommandReply&) {});
+        }
+        const auto events = log.read({0}, 1000);
+        ASSERT_EQ(events.size(), 101U);
+        World world("test", nullptr, clock);
+        ASSERT_TRUE(replay(world, events, land_settings_of({})));
+        LandWorker worker(loop, nullptr, land_settings_of({}));
+        SeaAuthority again(loop, world, log, worker, lead_ms, number);
+        std::optional<CommandReply> reply;
+        again.command({1, {}, false, StopWind{{1}}}, [&](CommandReply r) { reply = std::move(r); });
+        ASSERT_TRUE(reply);
+        EXPECT_EQ(reply->code, ErrorCode::none) << reply->message;
+        EXPECT_EQ(reply->log_position, LogPosition{102});
+        const auto all = log.read({0}, 1000);
+        ASSERT_EQ(all.size(), 102U);
+        EXPECT_EQ(all.back().event_id, all[100].event_id + 1);
+        EXPECT_EQ(all.back().log_hash, world.state()->log_hash);
+    }
+}
+
+// What was promised under a faster clock holds after it was slowed, for a node that knows of that clock by the log alone.
+TEST(TwoNodes, AReplayedNodeKeepsWhatWasPromisedUnderAnEarlierClock) {
+    IoLoop loop;
+    InMemoryEventLog log;
+    const SeaClock clock = clock_from_now();
+    Node a(loop, log, nullptr, clock, 1);
+    a.authority.open(one_wind());
+    a.authority.command({1, {}, false, SetRate{16U << 16}}, [](const CommandReply&) {});
+    a.authority.follow();
+    const SeaTime promised = a.authority.watermark();
+    a.authority.command({2, {}, false, SetRate{0}}, [](const CommandReply&) {});
+    World world("test", nullptr, clock);
+    ASSERT_TRUE(replay(world, log.read({0}, 1000), land_settings_of({})));
+    LandWorker worker(loop, nullptr, land_settings_of({}));
+    SeaAuthority late(loop, world, log, worker, lead_ms, 2);
+    std::optional<CommandReply> reply;
+    late.command({1, {}, false, StopWind{{1}}}, [&](CommandReply r) { reply = std::move(r); });
+    ASSERT_TRUE(reply);
+    ASSERT_EQ(reply->code, ErrorCode::none) << reply->message;
+    EXPECT_GE(reply->effective, promised);
+}
+
+// Land that was traced over a terrain which another node has changed meanwhile is of no use, however often: whoever reads the event traces
+// it over the terrain of then.
+TEST(TwoNodes, LandThatChangesUnderEachTraceIsNotUsed) {
+    IoLoop loop;
+    const SeaClock clock = clock_from_now();
+    // Three changes of the land, ready to be written.
+    InMemoryEventLog elsewhere;
+    Node other(loop, elsewhere, island(), clock, 3);
+    other.authority.open(one_wind());
+    const LogPosition opened = other.authority.state()->log_position;
+    for (int i = 0; i < 3; ++i) {
+        ChangeLand mole;
+        mole.line = {{to_lattice(-1200 + 400 * i), to_lattice(-600)},
+                     {to_lattice(-1100 + 400 * i), to_lattice(700)}};
+        mole.width = 40.0F;
+        mole.crest = 4.0F;
+        // Each at its own time, so that each is an event.
+        other.authority.command({1, {(1 + 15 * i) * microseconds_per_second}, true, mole},
+                                [](const CommandReply&) {});
+    }
+    size_t changes = 0;
+    other.authority.on_change([&] {
+        if (++changes == 3) loop.stop();
+    });
+    loop.run();
+    const auto written = elsewhere.read({0}, 100);
+    ASSERT_EQ(written.size(), opened.value + 3);
+
+    IoLoop second_loop;
+    InMemoryEventLog log;
+    size_t next = 0;
+    const auto write_next = [&] {
+        ASSERT_TRUE(std::holds_alternative<Appended>(
+            log.append({next}, written[next].event_id, written[next].bytes)));
+        ++next;
+    };
+    while (next < opened.value) write_next();
+    Node a(second_loop, log, island(), clock, 1);
+    a.authority.follow();
+    // A look at the log waits for the trace in progress, whose end comes before the next turn of this.
+    std::function<void()> interfere = [&] {
+        if (next == written.size()) return;
+        write_next();
+        a.authority.follow();
+        second_loop.post(interfere);
+    };
+    StartWind wind = wind_over_the_origin();
+    wind.trains = 3;
+    wind.seed = 9;
+    std::optional<CommandReply> reply;
+    second_loop.post([&] {
+        a.authority.command({1, {}, false, wind}, [&](CommandReply r) {
+            reply = std::move(r);
+            second_loop.stop();
+        });
+        second_loop.post(interfere);
+    });
+    second_loop.run();
+    ASSERT_TRUE(reply);
+    EXPECT_EQ(next, written.size()) << "all three changes came in between";
+    EXPECT_EQ(reply->code, ErrorCode::queue_overflow) << reply->message;
+    EXPECT_EQ(log.read({0}, 100).size(), written.size());
+}
+
 }  // namespace
 }  // namespace trochoid

@@ -1,6 +1,7 @@
 #pragma once
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <chrono>
 #include <filesystem>
 #include <fstream>
@@ -36,6 +37,49 @@ private:
     std::string peer_;
 };
 
+/// What the server reads in one go, before others get their turn.
+struct ReadCounts {
+    std::atomic<uint64_t> most_reads = 0;  ///< reads of the socket
+    std::atomic<uint64_t> most_bytes = 0;
+    std::atomic<uint64_t> reads = 0;  ///< in all
+};
+
+/// Counts them.
+class CountedTransport final : public Transport {
+public:
+    CountedTransport(std::unique_ptr<Transport> inner, ReadCounts& counts)
+        : inner_(std::move(inner)), counts_(counts) {}
+    const std::string& peer() const override { return inner_->peer(); }
+    void when_readable(std::function<void()> ready) override {
+        inner_->when_readable([turn = turn_, ready = std::move(ready)] {
+            *turn = {};
+            ready();
+        });
+    }
+    void when_writable(std::function<void()> ready) override { inner_->when_writable(std::move(ready)); }
+    Moved read(std::span<uint8_t> into) override {
+        const Moved moved = inner_->read(into);
+        ++counts_.reads;
+        ++turn_->reads;
+        turn_->bytes += moved.bytes;
+        if (turn_->reads > counts_.most_reads) counts_.most_reads = turn_->reads;
+        if (turn_->bytes > counts_.most_bytes) counts_.most_bytes = turn_->bytes;
+        return moved;
+    }
+    Moved write(std::span<const uint8_t> bytes) override { return inner_->write(bytes); }
+    void finish(ErrorCode why) override { inner_->finish(why); }
+    void close() override { inner_->close(); }
+
+private:
+    std::unique_ptr<Transport> inner_;
+    struct Turn {
+        uint64_t reads = 0;
+        uint64_t bytes = 0;
+    };
+    ReadCounts& counts_;
+    std::shared_ptr<Turn> turn_ = std::make_shared<Turn>();
+};
+
 /// A file that lasts as long as this.
 class ScratchFile {
 public:
@@ -69,10 +113,11 @@ protected:
             identity = std::make_unique<TlsIdentity>(certificate.path, key.path);
         }
         sessions = std::make_unique<SessionServer>(loop, sea, limits);
-        front = std::make_unique<FrontDoor>(loop, *sessions, limits, policy, identity.get(), "fake");
+        front = std::make_unique<FrontDoor>(loop, *sessions, limits, policy, identity.get(), world);
         if (ready) front->set_ready();
         listener = std::make_unique<Listener>(loop, ListenAddresses{}, [this](std::unique_ptr<Transport> t) {
             if (!far_peer.empty()) t = std::make_unique<FarTransport>(std::move(t), far_peer);
+            if (counts) t = std::make_unique<CountedTransport>(std::move(t), *counts);
             front->accept(std::move(t));
         });
         thread = std::thread([this] { loop.run(); });
@@ -134,6 +179,8 @@ protected:
     bool with_tls = true;
     bool ready = true;
     std::string far_peer;
+    std::string world = "fake";
+    ReadCounts* counts = nullptr;  // what connections made from now on are counted in
     DoorPolicy policy;
     Limits limits;
     FakeSea sea;

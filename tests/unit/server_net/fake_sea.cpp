@@ -21,6 +21,24 @@ std::shared_ptr<const WaveTrainBox> the_box() {
     return std::make_shared<const WaveTrainBox>(box);
 }
 
+// 256 trains in which no column says anything about the next value.
+std::shared_ptr<const WaveTrainBox> bulky_box(uint32_t number, uint64_t revision) {
+    WaveTrainBox box;
+    box.id = {2 + number};
+    box.first_train = {1001 + 256 * number};
+    for (uint64_t i = 0; i < 256; ++i) {
+        const uint64_t noise = splitmix64(i + 256 * (number + 4096 * revision));
+        WaveTrain train;
+        train.kx = static_cast<int32_t>(noise >> 40) + 1;
+        train.kz = static_cast<int32_t>(noise & 0xFFFFFF) + 1;
+        train.omega = splitmix64(noise) >> 16;
+        train.phase = static_cast<uint32_t>(splitmix64(noise + 1));
+        train.amplitude = 0.25F;
+        box.trains.push_back(train);
+    }
+    return std::make_shared<const WaveTrainBox>(box);
+}
+
 }  // namespace
 
 HelloFacts FakeSea::hello_facts() const {
@@ -57,6 +75,10 @@ InterestState FakeSea::state_for(const ViewState& view) const {
     InterestState state;
     const auto box = the_box();
     state.boxes.emplace(box->id, box);
+    for (uint32_t i = 0; i < bulk; ++i) {
+        const auto one = bulky_box(i, revision);
+        state.boxes.emplace(one->id, one);
+    }
     const auto first = static_cast<int32_t>(view.position.x >> 16);
     for (uint32_t i = 0; i < patches; ++i) {
         PatchDescriptor patch;
@@ -87,6 +109,21 @@ std::optional<MadeResult> FakeSea::make_result(const ResultRequest& request) {
     made.watermark = {1000};
     if (refresh_after_us > 0) made.refresh_at_us = monotonic_us() + refresh_after_us;
     return made;
+}
+
+void FakeSea::make_result_aside(const ResultRequest& request,
+                                const std::function<void(std::optional<MadeResult>)>& done) {
+    ++asked_aside;
+    if (!holds_aside) return done(make_result(request));
+    aside_.push_back([done, made = make_result(request)] { done(made); });
+}
+
+bool FakeSea::release_aside() {
+    if (aside_.empty()) return false;
+    const auto first = std::move(aside_.front());
+    aside_.pop_front();
+    first();
+    return true;
 }
 
 Resumption FakeSea::resume(const ResumeState& claim) {

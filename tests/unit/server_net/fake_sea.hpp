@@ -1,15 +1,18 @@
 #pragma once
 #include <atomic>
+#include <deque>
+#include <functional>
 
 #include "server/net/sea_provider.hpp"
 
 namespace trochoid {
 
-/// A small sea for session tests: one box, `patches` patches around the view whose errors change with `revision`, and a
-/// square of terrain tiles. Everything belongs to the io thread, except what is atomic.
+/// A small sea for session tests: one box, `patches` patches around the view whose errors change with `revision`, `bulk` boxes of
+/// 5 KiB that change with it, and a square of terrain tiles. Everything belongs to the io thread, except what is atomic.
 class FakeSea final : public SeaProvider {
 public:
     std::atomic<uint32_t> patches{16};
+    std::atomic<uint32_t> bulk{0};  ///< what makes a result large: patches cost little
     std::atomic<uint64_t> revision{1};
     std::atomic<uint32_t> tiles{0};
     std::atomic<uint32_t> changed_tiles{0};  ///< so many of the first are at revision 1, all others at 0
@@ -17,7 +20,9 @@ public:
     std::atomic<int64_t> refresh_after_us{0};  ///< 0: never
     std::atomic<uint64_t> last_over{0};        ///< the session that ended last
     std::atomic<uint64_t> resumes_asked{0};    ///< claims that reached the sea
-    std::atomic<bool> lies{false};             ///< the next result has a wrong train; probes tell the truth
+    std::atomic<bool> holds_aside{false};      ///< results aside wait for `release_aside`
+    std::atomic<uint64_t> asked_aside{0};
+    std::atomic<bool> lies{false};  ///< the next result has a wrong train; probes tell the truth
     /// Set before the server starts.
     std::string token = "secret";  ///< makes directors, any number of times
 
@@ -26,6 +31,8 @@ public:
     Result<LoginDecision> login(const ClientHello& hello, bool loopback) override;
     IssuedTicket new_ticket(uint64_t session, Role role) override;
     std::optional<MadeResult> make_result(const ResultRequest& request) override;
+    void make_result_aside(const ResultRequest& request,
+                           const std::function<void(std::optional<MadeResult>)>& done) override;
     Resumption resume(const ResumeState& claim) override;
     ProbeReply probe(const InterestState& state, const Probe& probe) const override;
     InterestDelta change(const InterestState& base, const InterestState& target,
@@ -42,6 +49,11 @@ public:
 
     /// The state that a client has to end up with for this view.
     InterestState state_for(const ViewState& view) const;
+    /// Hands over the result aside that has waited longest; false: none waits. On the io thread.
+    bool release_aside();
+
+private:
+    std::deque<std::function<void()>> aside_;
 };
 
 }  // namespace trochoid

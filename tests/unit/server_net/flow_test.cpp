@@ -20,7 +20,7 @@ protected:
 };
 
 TEST_F(Flow, ClientThatDoesNotReadCostsABoundedAmountAndIsCurrentAfterwards) {
-    sea.patches = 1024;
+    sea.bulk = 12;
     start();
     RawClient client(port(), 4096);
     ASSERT_TRUE(client.log_in());
@@ -48,7 +48,7 @@ TEST_F(Flow, ClientThatDoesNotReadCostsABoundedAmountAndIsCurrentAfterwards) {
 }
 
 TEST_F(Flow, StalledClientDoesNotHoldUpOthers) {
-    sea.patches = 1024;
+    sea.bulk = 12;
     start();
     RawClient stalled(port(), 4096);
     ASSERT_TRUE(stalled.log_in());
@@ -63,7 +63,7 @@ TEST_F(Flow, StalledClientDoesNotHoldUpOthers) {
 }
 
 TEST_F(Flow, NothingIsBegunBeyondTheWindowWithoutAnAck) {
-    sea.patches = 1024;
+    sea.bulk = 12;
     start();
     RawClient client(port());
     ASSERT_TRUE(client.log_in());
@@ -112,10 +112,7 @@ TEST_F(Flow, ClientThatNeverAgreesIsToldGoodbye) {
 TEST_F(Flow, LatestViewWinsAndViewsAreConsideredAtMostTenTimesASecond) {
     start();
     RawClient client(port());
-    ASSERT_TRUE(client.log_in());
-    const auto first = client.next_result();
-    ASSERT_TRUE(first);
-    client.acknowledge(*first);
+    ASSERT_TRUE(client.enter());
     std::this_thread::sleep_for(milliseconds(150));
     const uint64_t made = sea.results_made;
     for (uint32_t i = 1; i <= 25; ++i) client.send(ViewUpdate{i, view_at(int64_t{i} * 100)});
@@ -134,10 +131,7 @@ TEST_F(Flow, LatestViewWinsAndViewsAreConsideredAtMostTenTimesASecond) {
 TEST_F(Flow, RegionsAreTakenAtOnce) {
     start();
     RawClient client(port());
-    ASSERT_TRUE(client.log_in());
-    const auto first = client.next_result();
-    ASSERT_TRUE(first);
-    client.acknowledge(*first);
+    ASSERT_TRUE(client.enter());
     client.send(SyncRegions{1, {SyncRegion{{1024, 2048}, 4096}}});
     const auto second = client.next_result();
     ASSERT_TRUE(second);

@@ -23,10 +23,7 @@ protected:
 TEST_F(Probing, AProbeIsAnsweredFromWhatTheClientWasSent) {
     start();
     RawClient client(port());
-    ASSERT_TRUE(client.log_in());
-    const auto first = client.next_result();
-    ASSERT_TRUE(first);
-    client.acknowledge(*first);
+    ASSERT_TRUE(client.enter());
     client.send(probe_of(1, places));
     const auto reply = client.wait_for<ProbeReply>();
     ASSERT_TRUE(reply);
@@ -51,10 +48,7 @@ TEST_F(Probing, AProbeIsAnsweredFromWhatTheClientWasSent) {
 TEST_F(Probing, ResultsThatAreNotTheLastOneAreStale) {
     start();
     RawClient client(port());
-    ASSERT_TRUE(client.log_in());
-    const auto first = client.next_result();
-    ASSERT_TRUE(first);
-    client.acknowledge(*first);
+    ASSERT_TRUE(client.enter());
     change_sea();
     const auto second = client.next_result();
     ASSERT_TRUE(second);
@@ -75,10 +69,7 @@ TEST_F(Probing, ResultsThatAreNotTheLastOneAreStale) {
 TEST_F(Probing, ADifferenceBringsASnapshotAndIsCountedByItsKind) {
     start();
     RawClient client(port());
-    ASSERT_TRUE(client.log_in());
-    const auto first = client.next_result();
-    ASSERT_TRUE(first);
-    client.acknowledge(*first);
+    ASSERT_TRUE(client.enter());
     Desync desync;
     desync.sequence = 1;
     desync.result = 1;
@@ -106,10 +97,7 @@ TEST_F(Probing, ADifferenceBringsASnapshotAndIsCountedByItsKind) {
 TEST_F(Probing, ProbesAreRateLimitedAndTheSessionGoesOn) {
     start();
     RawClient client(port());
-    ASSERT_TRUE(client.log_in());
-    const auto first = client.next_result();
-    ASSERT_TRUE(first);
-    client.acknowledge(*first);
+    ASSERT_TRUE(client.enter());
     size_t answered = 0;
     size_t refused = 0;
     for (uint32_t i = 1; i <= 30; ++i) {

@@ -30,7 +30,7 @@ protected:
 };
 
 TEST_F(Resuming, WhatIsHeldIsTheBaseOfTheNextResult) {
-    sea.patches = 200;
+    sea.bulk = 3;
     start();
     const ResumeState claim = cut_session();
     RawClient client(port());

@@ -19,7 +19,7 @@ class ServerFixture : public testing::Test {
 protected:
     /// Called by tests after they have set `limits` and `sea`.
     void start() {
-        sessions = std::make_unique<SessionServer>(loop, sea, limits);
+        sessions = std::make_unique<SessionServer>(loop, sea, limits, logins_per_second);
         listener = std::make_unique<Listener>(loop, ListenAddresses{}, [this](std::unique_ptr<Transport> t) {
             sessions->accept(std::move(t));
         });
@@ -55,6 +55,7 @@ protected:
     }
 
     Limits limits;
+    uint32_t logins_per_second = 0;
     FakeSea sea;
     IoLoop loop;
     std::unique_ptr<SessionServer> sessions;

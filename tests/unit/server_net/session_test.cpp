@@ -46,10 +46,7 @@ TEST_F(Sessions, SessionsDifferInIdAndChallenge) {
 TEST_F(Sessions, StillCameraCostsNothing) {
     start();
     RawClient client(port());
-    ASSERT_TRUE(client.log_in());
-    const auto result = client.next_result();
-    ASSERT_TRUE(result);
-    client.acknowledge(*result);
+    ASSERT_TRUE(client.enter());
     const uint64_t before = client.bytes_received();
     EXPECT_FALSE(client.receive(milliseconds(500)));
     EXPECT_EQ(client.bytes_received(), before);
@@ -59,10 +56,8 @@ TEST_F(Sessions, StillCameraCostsNothing) {
 TEST_F(Sessions, ChangedSeaReachesAClientAsADeltaOnItsBase) {
     start();
     RawClient client(port());
-    ASSERT_TRUE(client.log_in());
-    const auto first = client.next_result();
+    const auto first = client.enter();
     ASSERT_TRUE(first);
-    client.acknowledge(*first);
     sea.patches = 20;
     change_sea();
     const auto second = client.next_result();

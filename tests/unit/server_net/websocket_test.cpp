@@ -120,6 +120,52 @@ TEST_F(WebSockets, FragmentsAndPingsBetweenThem) {
     EXPECT_EQ(client.pongs()[0], ping.payload);
 }
 
+// A message in crumbs, fragments of nothing, pings: all within the length that is allowed.
+TEST_F(WebSockets, FloodsOfFragmentsAndPingsEndIt) {
+    start();
+    for (const bool logged_in : {false, true}) {
+        for (const int kind : {0, 1, 2}) {
+            FormClient client(Form::web, port());
+            ASSERT_TRUE(logged_in ? client.log_in().has_value() : client.open());
+            Bytes flood;
+            for (int i = 0; i < 1000; ++i) {
+                WebFrame piece;
+                piece.opcode = kind == 2 ? 9 : i == 0 ? 2 : 0;
+                piece.last = kind == 2;
+                if (kind == 0) piece.payload = {1};
+                const Bytes bytes = piece.bytes();
+                flood.insert(flood.end(), bytes.begin(), bytes.end());
+            }
+            client.pipe().write(std::span<const uint8_t>(flood));
+            const auto goodbye = client.wait_for<Goodbye>();
+            ASSERT_TRUE(goodbye) << kind << " close code " << client.close_code();
+            EXPECT_EQ(goodbye->code, ErrorCode::rate_limited);
+            EXPECT_EQ(goodbye->requirement, requirement::websocket);
+            EXPECT_EQ(client.close_code() == 0 ? (client.ends(), client.close_code()) : client.close_code(),
+                      4402U);
+            EXPECT_EQ(client.close_reason(), "trochoid 402 resource");
+        }
+    }
+    EXPECT_TRUE(ended_with(ErrorCode::rate_limited, 6));
+}
+
+TEST_F(WebSockets, AMessageInOrdinaryFragmentsIsWhole) {
+    start();
+    FormClient client(Form::web, port());
+    ASSERT_TRUE(client.open());
+    const Bytes hello = encode(RawClient::usual_hello());
+    for (size_t i = 0; i < hello.size(); ++i) {
+        WebFrame piece;
+        piece.opcode = i == 0 ? 2 : 0;
+        piece.last = i + 1 == hello.size() || i == 200;
+        piece.payload = {hello[i]};
+        if (i == 200) piece.payload.assign(hello.begin() + 200, hello.end());
+        send(client, piece);
+        if (i == 200) break;
+    }
+    EXPECT_TRUE(client.wait_for<ServerHello>());
+}
+
 TEST_F(WebSockets, ATextMessageEndsIt) {
     start();
     FormClient client(Form::web, port());

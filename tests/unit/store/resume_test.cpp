@@ -206,5 +206,27 @@ TEST_F(Resume, WhatIsDistrustedIsNotGoneOnWith) {
     EXPECT_EQ(store.resume_state()->state_hash, hash_of(server.told));
 }
 
+// Another node may have read less of the log. What it has still to hear of may take effect before the first node's watermark.
+TEST_F(Resume, AWatermarkIsOfTheLogThatWasRead) {
+    store.confirm({5000}, {1});
+    ASSERT_EQ(store.snapshot()->watermark, SeaTime{5000});
+    const auto snapshot_at = [&](uint64_t position, int64_t watermark) {
+        store.begin(hello(false));
+        EXPECT_EQ(store.snapshot()->log_position, LogPosition{1}) << "what is shown until then is the old";
+        Next anew;
+        auto pieces = anew.pieces({{{box(5)}, {}, {}, {}, {}, {}}});
+        pieces[0].key.log_position = {position};
+        pieces[0].watermark = {watermark};
+        EXPECT_TRUE(store.apply(pieces[0]));
+    };
+    snapshot_at(1, 3000);
+    EXPECT_EQ(store.snapshot()->watermark, SeaTime{5000}) << "the same log: both hold";
+    snapshot_at(0, 4000);
+    EXPECT_EQ(store.snapshot()->watermark, SeaTime{4000})
+        << "an earlier sea is confirmed as far as its node says";
+    store.confirm({4500}, {0});
+    EXPECT_EQ(store.snapshot()->watermark, SeaTime{4500});
+}
+
 }  // namespace
 }  // namespace trochoid
