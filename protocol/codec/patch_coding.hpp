@@ -15,7 +15,7 @@ std::vector<uint32_t> boxes_named(std::span<const PatchDescriptor> patches);
 /// Both ascend by key; box_ids are those of boxes_named.
 Bytes code_patches(const InterestDelta& change, std::span<const uint32_t> box_ids);
 
-/// Reads them to the end of `planes`. Refused unless they are the one form that code_patches gives, all values in range.
+/// Reads them to the end of `planes`. Refused unless all is in order and in range; ids that no patch has are read over.
 void unpack_patches(Scrutiny& check, std::span<const uint8_t> planes, std::span<const uint32_t> box_ids,
                     InterestDelta& change);
 

@@ -2,6 +2,7 @@
 #include <variant>
 
 #include "protocol/codec/codec.hpp"
+#include "protocol/codec/patch_coding.hpp"
 #include "protocol/codec/plane_coding.hpp"
 #include "protocol/units/assert.hpp"
 
@@ -14,6 +15,7 @@ namespace {
 struct Cost {
     size_t least = 0;
     size_t most = 0;
+    size_t boxes = 0;  ///< of a patch: a message has most_patch_boxes of them at the most
 };
 constexpr size_t lists_cost = 11 * 24;  // eleven lists: place in the table, vtable slot, length, padding
 constexpr size_t box_cost = 104 + 24 + 24 + 32;
@@ -43,23 +45,23 @@ Cost cost_of(const WaveTrainBox& box, PatchForm) {
     const size_t lists = box.overlays.size() * overlay_cost + box.course.size() * leg_cost;
     return {
         104 + box.trains.size() * train_cost + lists,
-        box_cost + box.trains.size() * (train_cost + field_cost) + (plain(box) ? 0 : extras_cost) + lists};
+        box_cost + box.trains.size() * (train_cost + field_cost) + (plain(box) ? 0 : extras_cost) + lists, 0};
 }
 Cost cost_of(const FieldBlock& block, PatchForm) {
     const size_t exactly = block_cost + code_nodes(*block.block).size();
-    return {exactly, exactly};
+    return {exactly, exactly, 0};
 }
 Cost cost_of(const PatchDescriptor& patch, PatchForm form) {
     const size_t boxes = patch.boxes.size();
     if (form == PatchForm::planes)
-        return {1, planes_key_cost + 2 * planes_bound_cost + boxes * planes_box_cost};
-    return {patch_cost + boxes * patch_box_cost, patch_cost + boxes * (patch_box_cost + id_cost)};
+        return {1, planes_key_cost + 2 * planes_bound_cost + boxes * planes_box_cost, boxes};
+    return {patch_cost + boxes * patch_box_cost, patch_cost + boxes * (patch_box_cost + id_cost), boxes};
 }
 Cost cost_of(const PatchKey&, PatchForm form) {
-    return form == PatchForm::planes ? Cost{1, planes_key_cost} : Cost{name_cost, name_cost};
+    return form == PatchForm::planes ? Cost{1, planes_key_cost, 0} : Cost{name_cost, name_cost, 0};
 }
-Cost cost_of(const FieldBlockKey&, PatchForm) { return {name_cost, name_cost}; }
-Cost cost_of(const BoxId&, PatchForm) { return {id_cost, id_cost}; }
+Cost cost_of(const FieldBlockKey&, PatchForm) { return {name_cost, name_cost, 0}; }
+Cost cost_of(const BoxId&, PatchForm) { return {id_cost, id_cost, 0}; }
 
 void add(InterestDelta& to, const std::shared_ptr<const WaveTrainBox>& box) { to.boxes.push_back(box); }
 void add(InterestDelta& to, const FieldBlock& block) { to.blocks.push_back(block); }
@@ -129,12 +131,14 @@ private:
     size_t how_many_fit(size_t first) const {
         size_t surely = 0;
         size_t maybe = 0;
-        Cost sum{fixed_, fixed_ + lists_cost};
+        Cost sum{fixed_, fixed_ + lists_cost, 0};
         for (size_t i = first; i < entries_.size(); ++i) {
             sum.least += entries_[i].cost.least;
             sum.most += entries_[i].cost.most;
+            sum.boxes += entries_[i].cost.boxes;
+            if (sum.least > limit_ || sum.boxes > most_patch_boxes) break;
+            ++maybe;
             if (sum.most <= limit_) ++surely;
-            if (sum.least <= limit_) ++maybe;
         }
         if (maybe > surely && fits(first, maybe)) surely = maybe;
         while (surely + 1 < maybe) {

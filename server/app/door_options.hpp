@@ -7,7 +7,7 @@
 
 #include "server/net/door_policy.hpp"
 
-namespace CLI {
+namespace CLI {  // NOLINT(readability-identifier-naming): the library's
 class App;
 }
 

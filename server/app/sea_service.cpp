@@ -99,7 +99,12 @@ void SeaService::make_result_aside(const ResultRequest& request,
     aside_->ask([this, task = std::move(task), done] {
         auto made = std::make_shared<std::optional<MadeResult>>(result_of(*task));
         return [this, made = std::move(made), done] {
-            if (*made) (*made)->refresh_at_us = refresh_at_us((*made)->key);
+            if (*made) {
+                (*made)->refresh_at_us = refresh_at_us((*made)->key);
+                // Nothing has come since: what is promised now holds of it too.
+                if ((*made)->key.log_position == authority_.state()->log_position)
+                    (*made)->watermark = authority_.watermark();
+            }
             done(std::move(*made));
         };
     });

@@ -18,6 +18,8 @@ namespace trochoid {
 
 int in_child(const std::filesystem::path& input, const std::function<int()>& work) {
     std::fflush(nullptr);
+    // Whoever started us may ignore it, and then a child cannot be waited for.
+    std::signal(SIGCHLD, SIG_DFL);
     const pid_t parent = getpid();
     const pid_t child = fork();
     if (child < 0) return work();
@@ -41,10 +43,16 @@ int in_child(const std::filesystem::path& input, const std::function<int()>& wor
             fmt::format("{}: the process that read it was killed, perhaps for its memory: give a "
                         "smaller --extent or a coarser --spacing",
                         input.string()));
+    const int signal = WTERMSIG(status);
+    // What somebody sent, or a closed pipe, says nothing of the file: we end of it too.
+    if (signal != SIGSEGV && signal != SIGBUS && signal != SIGFPE && signal != SIGILL && signal != SIGABRT) {
+        std::signal(signal, SIG_DFL);
+        std::raise(signal);
+    }
     throw OperatorError(
         fmt::format("{}: the library that reads it died of it (signal {}): the file is damaged: fetch it "
                     "again, or convert it with gdal_translate -of GTiff",
-                    input.string(), WTERMSIG(status)));
+                    input.string(), signal));
 }
 
 }  // namespace trochoid

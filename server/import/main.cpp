@@ -161,6 +161,8 @@ int guarded(const std::function<void()>& work) {
     } catch (const std::bad_alloc&) {
         fmt::print(stderr,
                    "trochoid-import: not enough memory: give a smaller --extent or a coarser --spacing\n");
+    } catch (const std::exception& error) {
+        fmt::print(stderr, "trochoid-import: {}\n", error.what());
     }
     return 2;
 }

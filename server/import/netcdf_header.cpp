@@ -33,7 +33,9 @@ constexpr uint32_t last_old_type = 6;
 constexpr uint64_t padded(uint64_t bytes) { return (bytes + 3) / 4 * 4; }
 
 uint64_t product(uint64_t a, uint64_t b) { return b != 0 && a > endless / b ? endless : a * b; }
-uint64_t sum(uint64_t a, uint64_t b) { return std::min(a + b, endless); }
+uint64_t sum(uint64_t a, uint64_t b) {
+    return a >= endless || b >= endless ? endless : std::min(a + b, endless);
+}
 
 /// Reads the header from its first byte to its last.
 class ClassicHeader {

@@ -1,5 +1,6 @@
 #include "server/net/front_door.hpp"
 
+#include <algorithm>
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
@@ -23,6 +24,7 @@ constexpr uint64_t most_farewells = 256;
 // A turn of handshakes ends after so many, or so long; a pause of as long as they took follows, in which everybody else is served.
 constexpr int most_a_turn = 4;
 constexpr int64_t turn_us = 500;
+constexpr int64_t most_pause_us = 20'000;
 
 }  // namespace
 
@@ -106,13 +108,10 @@ void FrontDoor::take_turns() {
     pause_turns();
 }
 
-// What handshakes that have begun cost meanwhile counts too.
+// One pause a turn, however busy those are kept that have begun: what they cost meanwhile lengthens the next.
 void FrontDoor::pause_turns() {
-    const int64_t spent_us = std::exchange(around_.handshake_us, 0);
-    if (spent_us == 0)
-        take_turns();
-    else
-        turns_timer_.start(std::chrono::milliseconds(spent_us / 1000 + 1), [this] { pause_turns(); });
+    const int64_t spent_us = std::min(std::exchange(around_.handshake_us, 0), most_pause_us);
+    turns_timer_.start(std::chrono::milliseconds(spent_us / 1000 + 1), [this] { take_turns(); });
 }
 
 void FrontDoor::handshake_over(uint64_t id) { handshakes_.leave(line_of(guests_.at(id)->address()), id); }

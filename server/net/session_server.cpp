@@ -38,7 +38,7 @@ SessionServer::SessionServer(IoLoop& loop, SeaProvider& sea, const Limits& limit
               [this](uint64_t id, ErrorCode code) { forget(id, code); },
               [this](uint64_t id) { return how_ended(id); },
               [this](const std::shared_ptr<Session>& session) {
-                  turns_.push(peer_address(session->peer()), session);
+                  turns_.push(line_of(peer_address(session->peer())), session);
                   if (!computing_) take_turns();
               }},
       sweep_timer_(loop),

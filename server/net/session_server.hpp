@@ -61,7 +61,7 @@ private:
     std::deque<uint64_t> ends_in_order_;  // ends_, the oldest first
     SessionAdmission admission_;
     std::map<uint64_t, int64_t>
-        held_back_;  // sessions that wait, and when they began to (monotonic microseconds)
+        held_back_;  // sessions that wait, and what they had used of their hello deadline, microseconds
     FairQueue<std::weak_ptr<Session>> turns_;  // of what is computed aside
     bool computing_ = false;
     bool draining_ = false;

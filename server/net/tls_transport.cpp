@@ -199,6 +199,7 @@ Transport::Moved TlsStream::write(std::span<const uint8_t> bytes) {
     size_t taken = 0;
     const size_t now = record_begun_ > 0 ? record_begun_ : bytes.size();
     below_.reads_left = reads_at_once;
+    write_wants_read_ = false;
     const int done = SSL_write_ex(ssl_.get(), bytes.data(), now, &taken);
     if (done == 1) {
         record_begun_ = 0;

@@ -13,6 +13,22 @@ import tempfile
 import time
 
 
+# Where the README starts a server of its own: here on any port, and what follows talks to ours, which lives longer.
+OWN_PORT = "9300"
+OWN_ADDRESS = "127.0.0.1:" + OWN_PORT
+
+
+def starts_and_stops(words):
+    """A server that the README leaves running: whether it comes up, serves and ends well."""
+    with subprocess.Popen(words, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True) as server:
+        said = ""
+        for line in server.stdout:
+            said += line
+            if "listening" in line:
+                server.send_signal(signal.SIGTERM)
+        return subprocess.CompletedProcess(words, server.wait(60), said if "listening" in said else "", said)
+
+
 def commands(readme):
     """Lines of the README's sh blocks, comments taken off."""
     text = open(readme, encoding="utf-8").read()
@@ -42,10 +58,10 @@ def translated(words, bin_dir, address, key, folder):
     fixed = []
     for word in words:
         word = word.replace("/tmp/", folder + "/").replace("build/release/bin", bin_dir)
-        fixed.append({"HOST:PORT": address, "FILE": key}.get(word, word))
-    # All of its cases are another test's.
+        fixed.append({"HOST:PORT": address, "FILE": key, OWN_ADDRESS: address, OWN_PORT: "0"}.get(word, word))
+    # All of its cases are another test's, and it asks our server.
     if fixed[0].endswith("trochoid-conformance"):
-        fixed += ["--only", "R-101/*"]
+        fixed = [key if word == os.path.join(folder, "my-key") else word for word in fixed] + ["--only", "R-101/*"]
     # The scripts would build and test all over again; their help shows that they start and know their options.
     if fixed[0] in ("./demo.sh", "./test.sh", "tests/determinism/matrix"):
         known = subprocess.run([fixed[0], "--help"], capture_output=True, text=True, check=True).stdout
@@ -80,8 +96,9 @@ def main():
         server, address, key = start_server(bin_dir, source, folder)
         try:
             for words in commands("README.md"):
-                run = subprocess.run(translated(words, bin_dir, address, key, folder), capture_output=True, text=True,
-                                     timeout=120, check=False)
+                fixed = translated(words, bin_dir, address, key, folder)
+                run = starts_and_stops(fixed[:-1]) if fixed[-1] == "&" else subprocess.run(
+                    fixed, capture_output=True, text=True, timeout=120, check=False)
                 ran += 1
                 good = run.returncode == 0 and run.stdout.strip() != ""
                 failed += not good

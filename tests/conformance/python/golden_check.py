@@ -1,7 +1,7 @@
 """What this program computes for the golden lines of the sea (tests/golden/sea.txt, edges.txt and fields.txt): the stranger to
 `trochoid-conformance check-vectors`.
 
-    trochoid-conformance vectors --questions | golden_check.py | trochoid-conformance check-vectors -"""
+    trochoid-conformance vectors --questions | python3 golden_check.py | trochoid-conformance check-vectors -"""
 import pathlib
 import sys
 from typing import NamedTuple

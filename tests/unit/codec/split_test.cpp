@@ -76,6 +76,26 @@ TEST(Split, EveryPieceFitsAndAllTogetherAreTheChange) {
     EXPECT_GT(most_pieces, 3U);
 }
 
+// As planes, equal counts cost next to nothing: the number of boxes ends a piece before its bytes do.
+TEST(Split, NoPieceHasMoreBoxesThanAReaderTakes) {
+    Dice dice(25);
+    InterestDelta change;
+    for (int32_t x = 0; x < 1024; ++x) {
+        change.patches.push_back({{16, x, 0}, {}, 0.0F, 0.0F});
+        for (uint32_t id = 1; id <= 66; ++id) change.patches.back().boxes.push_back({{id}, 7});
+    }
+    for (const PatchForm form : {PatchForm::lists, PatchForm::planes}) {
+        Delta header = header_with_regions(dice);
+        header.patch_form = form;
+        const std::vector<Delta> pieces = split(header, change, frame_limit);
+        for (const Delta& piece : pieces) {
+            const auto back = decode_server(encode(ServerMessage{piece}));
+            ASSERT_TRUE(back) << back.error().message;
+        }
+        EXPECT_TRUE(same(joined(pieces), change));
+    }
+}
+
 TEST(Split, PiecesAreWellFilled) {
     Dice dice(22);
     Delta header = header_with_regions(dice);
