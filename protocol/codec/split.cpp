@@ -43,9 +43,9 @@ bool plain(const WaveTrainBox& box) {
 
 Cost cost_of(const WaveTrainBox& box, PatchForm) {
     const size_t lists = box.overlays.size() * overlay_cost + box.course.size() * leg_cost;
-    return {
-        104 + box.trains.size() * train_cost + lists,
-        box_cost + box.trains.size() * (train_cost + field_cost) + (plain(box) ? 0 : extras_cost) + lists, 0};
+    return {104 + box.trains.size() * train_cost + lists,
+            box_cost + box.trains.size() * (train_cost + field_cost) + (plain(box) ? 0 : extras_cost) + lists,
+            0};
 }
 Cost cost_of(const FieldBlock& block, PatchForm) {
     const size_t exactly = block_cost + code_nodes(*block.block).size();

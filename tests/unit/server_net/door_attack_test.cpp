@@ -1,4 +1,5 @@
 #include <array>
+#include <atomic>
 #include <set>
 #include <vector>
 
@@ -231,6 +232,31 @@ TEST_F(DoorAttack, HandshakesBeginAFewATurn) {
     for (size_t i = 0; i < flood.size(); ++i) flood[i]->pipe().write(std::span<const uint8_t>(hellos[i]));
     ASSERT_TRUE(eventually([&] { return door().handshakes_now == 60; }));
     EXPECT_GE(door().handshake_turns, 15U);
+}
+
+// Some that dribble keep the io thread a little busy in every millisecond: others begin all the same.
+TEST_F(DoorAttack, DribbledHandshakesHoldUpNoOther) {
+    start();
+    std::vector<std::unique_ptr<TlsByHand>> slow;
+    for (int i = 0; i < 8; ++i) {
+        slow.push_back(std::make_unique<TlsByHand>(port(), attacker(i)));
+        slow.back()->pipe().write(std::span<const uint8_t>(slow.back()->hello()));
+    }
+    ASSERT_TRUE(eventually([&] { return door().handshakes_now == slow.size(); }));
+    std::atomic<bool> over = false;
+    std::thread dribble([&] {
+        for (const auto& one : slow)
+            one->pipe().write(std::string("\x17\x03\x03\x40\x00", 5));  // a record of 16 KiB
+        for (size_t i = 0; !over; ++i) {
+            slow[i % slow.size()]->pipe().write(std::string("a"));
+            std::this_thread::sleep_for(std::chrono::microseconds(50));
+        }
+    });
+    std::this_thread::sleep_for(milliseconds(20));
+    expect_good_clients_in();
+    EXPECT_EQ(door().handshakes_now, slow.size()) << "they got in only when those had gone";
+    over = true;
+    dribble.join();
 }
 
 TEST_F(DoorAttack, OnlyCheapKeyExchanges) {
