@@ -49,10 +49,6 @@ int64_t pause_ms(uint32_t failures) {
     return pause * (768 + dice) / 1024;
 }
 
-// Requirements of servers alone: no code stands for them.
-constexpr uint16_t tiles_of_grid = 136;
-constexpr uint16_t resumed_state = 158;
-
 /// Results out of order break another requirement than messages of a client do.
 uint16_t requirement_of_result(ErrorCode code) {
     return code == ErrorCode::sequence_not_monotone ? requirement::result_order : requirement_of(code);
@@ -146,7 +142,7 @@ void SessionLink::on(const ServerHello& hello, int64_t received_us) {
     if (hello.resumed && !resume_asked_)
         return connection_->refuse(
             {ErrorCode::unexpected_message, "the server resumes a session that was not asked for"},
-            resumed_state);
+            requirement::resumed_state);
     live_ = true;
     live_since_us_ = received_us;
     if (!store_.hello() || store_.hello()->instance != hello.instance) {
@@ -246,7 +242,7 @@ void SessionLink::on(const Delta& delta, int64_t received_us) {
 
 void SessionLink::on(const TerrainTiles& tiles, int64_t) {
     if (const auto taken = store_.apply(tiles); !taken)
-        return connection_->refuse(taken.error(), tiles_of_grid);
+        return connection_->refuse(taken.error(), requirement::tiles_of_grid);
     show_store();
 }
 

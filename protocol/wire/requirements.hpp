@@ -39,11 +39,13 @@ inline constexpr uint16_t region_radius = 132;
 inline constexpr uint16_t acknowledged_state = 133;
 inline constexpr uint16_t result_order = 134;
 inline constexpr uint16_t whole_results = 135;
+inline constexpr uint16_t tiles_of_grid = 136;
 // World
 inline constexpr uint16_t model_version = 141;
 // Login
 inline constexpr uint16_t good_token = 153;
 inline constexpr uint16_t viewer_token = 156;
+inline constexpr uint16_t resumed_state = 158;
 // Probes
 inline constexpr uint16_t desync_answered = 166;
 }  // namespace requirement

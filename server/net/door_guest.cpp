@@ -76,7 +76,8 @@ void Guest::on_readable() {
             case Stage::gone: break;
         }
     }
-    if (stage_ != Stage::gone && stage_ != Stage::tls_turn && !peer_done_) arm_reading();
+    const bool reads_on = stage_ != Stage::gone && stage_ != Stage::tls_turn && !peer_done_;
+    if (reads_on && dropped_bytes_ < most_dropped_bytes) arm_reading();
 }
 
 // Bytes of the stream, which may be at its end or broken: then none, and the guest has been dealt with.
@@ -355,7 +356,9 @@ void Guest::linger(ErrorCode code) {
 
 // Who says no more (a half-closed stream) still gets the answer whole: it only reads no further.
 void Guest::drop_bytes() {
-    if (!transport_->read(around_.read_buffer).closed) return;
+    const Transport::Moved moved = transport_->read(around_.read_buffer);
+    dropped_bytes_ += moved.bytes;
+    if (!moved.closed) return;
     if (stage_ == Stage::answering)
         peer_done_ = true;
     else

@@ -119,6 +119,7 @@ private:
     FrameReader frames_;
     std::string head_;          // of an HTTP request; or the TLS hello
     size_t head_searched_ = 0;  // the head does not end before this
+    size_t dropped_bytes_ = 0;  // that came after the last word to it
     std::string answer_;
     size_t answer_taken_ = 0;
     ErrorCode finish_with_ = ErrorCode::none;

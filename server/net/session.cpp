@@ -53,7 +53,7 @@ void Session::part(Goodbye goodbye) {
     if (stage_ == Stage::parting || stage_ == Stage::ended) return;
     wind_up(goodbye.code, goodbye.message);
     send(goodbye);
-    // Reading goes on until the peer closes: closing over unread bytes would reset the stream and lose the goodbye.
+    // Reading goes on until the peer closes, or has sent too much: closing over unread bytes would reset the stream and lose the goodbye.
     if (stage_ == Stage::parting) arm_reading();
 }
 

@@ -39,6 +39,7 @@ struct SessionSurroundings {
     std::function<ErrorCode(uint64_t id)> how_ended;
     /// Calls the session's `compute_aside` when its turn has come.
     std::function<void(const std::shared_ptr<Session>& session)> wants_turn;
+    ServerShare io_share = {};
 };
 
 /// One client, from its first byte to its end, on the io thread: magic, hello, then four lanes out by priority (control,
@@ -176,7 +177,8 @@ private:
     Bytes outgoing_;             // what the socket is taking now, at most one frame or the control lane
     size_t outgoing_taken_ = 0;
     bool writing_armed_ = false;
-    bool finished_ = false;  // goodbye written, nothing more follows
+    bool finished_ = false;     // goodbye written, nothing more follows
+    size_t dropped_bytes_ = 0;  // that came while parting
     uint64_t bytes_in_ = 0;
     uint64_t bytes_out_ = 0;
 };

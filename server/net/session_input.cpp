@@ -39,7 +39,8 @@ uint64_t random_seed() {
 }  // namespace
 
 void Session::arm_reading() {
-    if (reading_armed_ || stage_ == Stage::ended || answers_.full()) return;
+    if (reading_armed_ || stage_ == Stage::ended || answers_.full() || dropped_bytes_ >= most_dropped_bytes)
+        return;
     reading_armed_ = true;
     transport_->when_readable([weak = weak_from_this()] {
         if (const auto self = weak.lock()) self->on_readable();
@@ -50,7 +51,7 @@ void Session::on_readable() {
     around_.loop.assert_here();
     reading_armed_ = false;
     if (stage_ == Stage::ended || answers_.full()) return;
-    // While parting what comes is thrown away: as much as comes.
+    // While parting what comes is thrown away, much at a time.
     const Transport::Moved moved = transport_->read(
         stage_ == Stage::parting ? around_.read_buffer : around_.read_buffer.first(bytes_a_turn));
     if (moved.closed) {
@@ -63,7 +64,9 @@ void Session::on_readable() {
             if (fault->requirement != 0) goodbye.requirement = fault->requirement;
             part(std::move(goodbye));
         }
-    } else if (stage_ != Stage::parting) {
+    } else if (stage_ == Stage::parting) {
+        dropped_bytes_ += moved.bytes;
+    } else {
         read_at_us_ = heard_us_ = monotonic_us();
         bytes_in_ += moved.bytes;
         around_.stats.bytes_in += moved.bytes;

@@ -130,16 +130,19 @@ ResultRequest Session::begin_considering(int64_t now_us) {
     return {view_, regions_, state_.key(), state_.round_trip_us(), view_motion_.turn(now_us)};
 }
 
-// Whoever holds nothing yet, and whoever has used up its share of the io thread, has its result computed aside.
+// Whoever holds nothing yet has its result computed aside; so has whoever has used up its share of the io thread, and
+// everybody once all together have.
 void Session::consider(int64_t now_us) {
-    if (state_.key() == nullptr || !io_share_.left(now_us)) {
+    if (state_.key() == nullptr || !io_share_.left(now_us) || !around_.io_share.left(now_us)) {
         aside_ = true;
         around_.wants_turn(shared_from_this());
         return;
     }
     std::optional<MadeResult> made = around_.sea.make_result(begin_considering(now_us));
     take_result(std::move(made));
-    io_share_.spend(monotonic_us() - now_us);
+    const int64_t spent_us = monotonic_us() - now_us;
+    io_share_.spend(spent_us);
+    around_.io_share.spend(spent_us);
 }
 
 // The request is of now: what has come since the session began to wait counts.

@@ -115,13 +115,6 @@ void SessionServer::take_turns() {
     }
 }
 
-void SessionServer::turn_away(std::unique_ptr<Transport> transport, const Error& why, int64_t since_us) {
-    Session& session = enter(std::move(transport));
-    session.start(since_us);
-    const bool later = why.code == ErrorCode::too_many_connections;
-    session.part(later ? farewell(why, session.id()) : goodbye_for(why));
-}
-
 void SessionServer::count_end(ErrorCode code) {
     loop_.assert_here();
     ++stats_.ended[code];

@@ -27,8 +27,6 @@ public:
     /// goodbye. One beyond the logins of its address waits for its turn, or gets a goodbye where too many wait.
     void accept(std::unique_ptr<Transport> transport, int64_t since_us);
     void accept(std::unique_ptr<Transport> transport);
-    /// Takes a connection only to say goodbye.
-    void turn_away(std::unique_ptr<Transport> transport, const Error& why, int64_t since_us);
     /// Counts the end of a connection that never became a session.
     void count_end(ErrorCode code);
     /// The world has changed: every session decides its next result.

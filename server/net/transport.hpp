@@ -17,6 +17,10 @@ struct StreamFault {
     bool operator==(const StreamFault&) const = default;
 };
 
+/// Bytes that are read and dropped after the last word to a peer, so that it comes to read that; who sends more gets no more of the io
+/// thread's time.
+inline constexpr size_t most_dropped_bytes = size_t{1} << 20;
+
 /// A byte stream to one peer, as a session sees it; never blocks. TCP, TLS and WebSocket look the same behind it.
 class Transport {
 public:

@@ -255,11 +255,15 @@ void show_codes(const ServerProcess& server, const HostileCounts& seen, Report& 
         fmt::print("ended with {}: {}\n", code, count);
         coded += code != 0 ? count : 0;
     }
+    for (const auto& [status, count] : server.http_answers()) {
+        fmt::print("answered with HTTP status {}: {}\n", status, count);
+        coded += count;
+    }
     for (const auto& [code, count] : seen.goodbyes)
         fmt::print("hostile peers were told {}: {}\n", static_cast<unsigned>(code), count);
     fmt::print("hostile peers whose connection ended before they had read why: {}\n", seen.without_a_word);
     const uint64_t all = server.connections_at_the_door();
-    report.check("connections that ended with a code", fmt::format("{} of {}", coded, all), "all",
+    report.check("connections that ended with a code, or an HTTP status", fmt::format("{} of {}", coded, all), "all",
                  coded == all);
 }
 

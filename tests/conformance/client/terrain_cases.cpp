@@ -47,8 +47,7 @@ void add_wrong(Catalogue& all, const char* id, const char* title, void (*spoil)(
 }
 
 void add_off_grid(Catalogue& all, const char* id, const char* title, void (*spoil)(TerrainTile&)) {
-    constexpr uint16_t tiles_of_grid = 136;
-    add_wrong(all, id, title, spoil, {ErrorCode::value_out_of_range, tiles_of_grid});
+    add_wrong(all, id, title, spoil, {ErrorCode::value_out_of_range, requirement::tiles_of_grid});
 }
 
 }  // namespace

@@ -63,16 +63,16 @@ class Sea:
     def sample(self, time, x, z, layers=AUTHORITATIVE):
         """The 15 floats of a `Sample` at a rest point."""
         sums = (0.0,) * 12
-        for now in self._at_time(time):
-            box, envelope = now.part.box, now.state.envelope(x, z)
+        for present in self._at_time(time):
+            box, envelope = present.part.box, present.state.envelope(x, z)
             if envelope is None:
                 continue
             if layers & TRAINS and box.trains:
-                sums = self._add_trains(sums, now, envelope, time, x, z, layers)
+                sums = self._add_trains(sums, present, envelope, time, x, z, layers)
             if layers & WAKES and box.wake.inverse_length:
-                sums = _add_wake(sums, box.wake, now.state, envelope)
-            if now.octaves and layers & (DISPLAYED_NOISE if box.noise.displayed_only else NOISE):
-                sums = _add_noise(sums, now.octaves, envelope, x, z)
+                sums = _add_wake(sums, box.wake, present.state, envelope)
+            if present.octaves and layers & (DISPLAYED_NOISE if box.noise.displayed_only else NOISE):
+                sums = _add_noise(sums, present.octaves, envelope, x, z)
         return _sample(sums)
 
     def water(self, time, x, z):

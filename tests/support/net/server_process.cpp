@@ -192,36 +192,40 @@ bool ServerProcess::stop(std::chrono::milliseconds within) {
     return WIFEXITED(status) && WEXITSTATUS(status) == 0;
 }
 
-std::map<uint32_t, uint64_t> ServerProcess::ended_by_code() const {
-    std::map<uint32_t, uint64_t> counts;
+std::string ServerProcess::said_last(const std::string& from, const std::string& until) const {
     const std::string said = log();
-    const size_t from = said.rfind("ended by code ");
-    if (from == std::string::npos) return counts;
-    const std::string part = said.substr(from, said.find(", refused by code", from) - from);
+    const size_t begin = said.rfind(from);
+    if (begin == std::string::npos) return {};
+    return said.substr(begin + from.size(), said.find(until, begin) - begin - from.size());
+}
+
+namespace {
+
+// Of a text like "101: 12, 302: 4".
+std::map<uint32_t, uint64_t> counts_in(const std::string& text) {
+    std::map<uint32_t, uint64_t> counts;
     const std::regex pair("(\\d+): (\\d+)");
-    for (std::sregex_iterator at(part.begin(), part.end(), pair), end; at != end; ++at)
+    for (std::sregex_iterator at(text.begin(), text.end(), pair), end; at != end; ++at)
         counts[static_cast<uint32_t>(std::stoul((*at)[1]))] = std::stoull((*at)[2]);
     return counts;
 }
 
-uint64_t ServerProcess::connections() const {
-    std::smatch found;
-    const std::string said = log();
-    const size_t from = said.rfind("stopped: ");
-    if (from == std::string::npos) return 0;
-    const std::string part = said.substr(from);
-    if (!std::regex_search(part, found, std::regex("stopped: (\\d+) connections"))) return 0;
-    return std::stoull(found[1]);
+uint64_t number_of(const std::string& text) { return text.empty() ? 0 : std::stoull(text); }
+
+}  // namespace
+
+std::map<uint32_t, uint64_t> ServerProcess::ended_by_code() const {
+    return counts_in(said_last("ended by code ", ", refused by code"));
 }
 
+std::map<uint32_t, uint64_t> ServerProcess::http_answers() const {
+    return counts_in(said_last("; HTTP answers ", "\n"));
+}
+
+uint64_t ServerProcess::connections() const { return number_of(said_last("stopped: ", " connections")); }
+
 uint64_t ServerProcess::connections_at_the_door() const {
-    std::smatch found;
-    const std::string said = log();
-    const size_t from = said.rfind("at the door: ");
-    if (from == std::string::npos) return 0;
-    const std::string part = said.substr(from);
-    if (!std::regex_search(part, found, std::regex("at the door: (\\d+) connections"))) return 0;
-    return std::stoull(found[1]);
+    return number_of(said_last("at the door: ", " connections"));
 }
 
 }  // namespace trochoid

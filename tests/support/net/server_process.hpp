@@ -40,6 +40,8 @@ public:
     bool stop(std::chrono::milliseconds within = std::chrono::seconds(10));
     /// How sessions ended, by code, as the server counted them; after `stop`.
     std::map<uint32_t, uint64_t> ended_by_code() const;
+    /// HTTP answers by status, which no code stands for: each ended a connection as well; after `stop`.
+    std::map<uint32_t, uint64_t> http_answers() const;
     /// Sessions and connections that the server has counted; after `stop`.
     uint64_t connections() const;
     /// Connections that came to the door, whatever became of them; after `stop`.
@@ -47,6 +49,8 @@ public:
 
 private:
     bool over(int& status) const;
+    /// What stands between those words in the log, the last time that it does; empty: nowhere.
+    std::string said_last(const std::string& from, const std::string& until) const;
     std::filesystem::path folder_;
     int process_ = 0;
     uint16_t port_ = 0;

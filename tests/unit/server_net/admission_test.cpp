@@ -175,17 +175,18 @@ private:
 // What ended last is remembered longest, however low its number.
 using Ends = ServerFixture;
 TEST_F(Ends, TheOldestEndIsForgottenFirst) {
+    limits.sessions = 1;
     start();
     auto first = std::make_unique<RawClient>(port());
     const auto hello = first->log_in();
     ASSERT_TRUE(hello);
     spdlog::set_level(spdlog::level::warn);
     on_loop([this] {
-        for (int i = 0; i < 4096; ++i)
-            sessions->turn_away(std::make_unique<DeadTransport>(), {ErrorCode::too_many_sessions, "full"}, 0);
+        for (int i = 0; i < 4096; ++i) sessions->accept(std::make_unique<DeadTransport>());
         return 0;
     });
     spdlog::set_level(spdlog::level::info);
+    ASSERT_TRUE(ended_with(ErrorCode::too_many_sessions, 4096));
     first.reset();
     ASSERT_TRUE(ended_with(ErrorCode::client_closed, 1));
     RawClient again(port());

@@ -114,6 +114,25 @@ TEST_F(Aside, OneAtATimeAndAddressesTakeTurns) {
     EXPECT_TRUE(clients[2]->next_result());
 }
 
+// Each of them alone asks for little; together they would have the io thread for 0.75 s.
+TEST_F(Aside, AllTogetherTakeHalfTheThread) {
+    start();
+    std::vector<std::unique_ptr<RawClient>> clients;
+    for (int i = 0; i < 30; ++i) {
+        clients.push_back(std::make_unique<RawClient>(port()));
+        ASSERT_TRUE(clients.back()->log_in());
+        const auto first = clients.back()->next_result();
+        ASSERT_TRUE(first);
+        ASSERT_TRUE(clients.back()->acknowledge(*first));
+    }
+    ASSERT_TRUE(asked(30));
+    sea.costs_us = 25'000;
+    change_sea();
+    for (const auto& client : clients) EXPECT_TRUE(client->next_result());
+    EXPECT_GE(sea.asked_aside, 30 + 5U);
+    EXPECT_LE(sea.asked_aside, 30 + 22U) << "eight are within what may be taken at once";
+}
+
 TEST_F(Aside, WhoHasLeftHoldsUpNobody) {
     sea.holds_aside = true;
     start();

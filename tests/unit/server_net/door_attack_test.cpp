@@ -102,6 +102,16 @@ protected:
             EXPECT_TRUE(good.log_in()) << name_of(form);
         }
     }
+    /// Handshakes begun from `count` addresses of attackers, each with its whole hello and nothing after it.
+    std::vector<std::unique_ptr<TlsByHand>> begun_handshakes(int count) {
+        std::vector<std::unique_ptr<TlsByHand>> begun;
+        begun.reserve(static_cast<size_t>(count));
+        for (int i = 0; i < count; ++i) {
+            begun.push_back(std::make_unique<TlsByHand>(port(), attacker(i)));
+            begun.back()->pipe().write(std::span<const uint8_t>(begun.back()->hello()));
+        }
+        return begun;
+    }
     // What `begin` does, again and again from all addresses, with at most `held` connections open, until the object is gone.
     class Attack {
     public:
@@ -152,11 +162,7 @@ TEST_F(DoorAttack, OneByteOfTlsTakesNoHandshake) {
 TEST_F(DoorAttack, WhollyBegunHandshakesMakeRoomForOthers) {
     policy.handshakes = 8;
     start();
-    std::vector<std::unique_ptr<TlsByHand>> held;
-    for (int i = 0; i < 64; ++i) {
-        held.push_back(std::make_unique<TlsByHand>(port(), attacker(i)));
-        held.back()->pipe().write(std::span<const uint8_t>(held.back()->hello()));
-    }
+    const auto held = begun_handshakes(64);
     ASSERT_TRUE(eventually([&] { return door().made_room == 56; }));
     EXPECT_EQ(door().handshakes_now, 8U);
     // The oldest have gone, the newest are still there.
@@ -237,11 +243,7 @@ TEST_F(DoorAttack, HandshakesBeginAFewATurn) {
 // Some that dribble keep the io thread a little busy in every millisecond: others begin all the same.
 TEST_F(DoorAttack, DribbledHandshakesHoldUpNoOther) {
     start();
-    std::vector<std::unique_ptr<TlsByHand>> slow;
-    for (int i = 0; i < 8; ++i) {
-        slow.push_back(std::make_unique<TlsByHand>(port(), attacker(i)));
-        slow.back()->pipe().write(std::span<const uint8_t>(slow.back()->hello()));
-    }
+    const auto slow = begun_handshakes(8);
     ASSERT_TRUE(eventually([&] { return door().handshakes_now == slow.size(); }));
     std::atomic<bool> over = false;
     std::thread dribble([&] {

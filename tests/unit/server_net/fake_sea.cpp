@@ -1,5 +1,8 @@
 #include "tests/unit/server_net/fake_sea.hpp"
 
+#include <chrono>
+#include <thread>
+
 #include "protocol/units/hash.hpp"
 #include "server/net/monotonic.hpp"
 #include "server/net/probe_answer.hpp"
@@ -91,6 +94,11 @@ InterestState FakeSea::state_for(const ViewState& view) const {
 }
 
 std::optional<MadeResult> FakeSea::make_result(const ResultRequest& request) {
+    std::this_thread::sleep_for(std::chrono::microseconds(costs_us));
+    return result_for(request);
+}
+
+std::optional<MadeResult> FakeSea::result_for(const ResultRequest& request) {
     MadeResult made;
     made.key.anchor = request.view;
     made.key.regions = request.regions;
@@ -114,8 +122,8 @@ std::optional<MadeResult> FakeSea::make_result(const ResultRequest& request) {
 void FakeSea::make_result_aside(const ResultRequest& request,
                                 const std::function<void(std::optional<MadeResult>)>& done) {
     ++asked_aside;
-    if (!holds_aside) return done(make_result(request));
-    aside_.push_back([done, made = make_result(request)] { done(made); });
+    if (!holds_aside) return done(result_for(request));
+    aside_.push_back([done, made = result_for(request)] { done(made); });
 }
 
 bool FakeSea::release_aside() {
