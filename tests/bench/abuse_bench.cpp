@@ -263,13 +263,13 @@ void show_codes(const ServerProcess& server, const HostileCounts& seen, Report& 
         fmt::print("hostile peers were told {}: {}\n", static_cast<unsigned>(code), count);
     fmt::print("hostile peers whose connection ended before they had read why: {}\n", seen.without_a_word);
     const uint64_t all = server.connections_at_the_door();
-    report.check("connections that ended with a code, or an HTTP status", fmt::format("{} of {}", coded, all), "all",
-                 coded == all);
+    report.check("connections that ended with a code, or an HTTP status", fmt::format("{} of {}", coded, all),
+                 "all", coded == all);
 }
 
 void measure(Report& report) {
     const double phase_s = report.quick() ? 1.5 : 3.0;
-    const int rounds = report.quick() ? 2 : 4;
+    const int rounds = report.quick() ? 2 : 8;
     ServerProcess server(open_water_scene());
     server.pin({0});
     pin_ourselves({1});
