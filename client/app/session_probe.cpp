@@ -2,12 +2,12 @@
 #include "client/app/session_link.hpp"
 #include "client/store/desync_probe.hpp"
 #include "protocol/units/hash.hpp"
+#include "protocol/wire/session_rules.hpp"
 
 namespace trochoid {
 
 namespace {
 
-constexpr uint16_t first_with_probes = 3;
 constexpr size_t points_a_round = 4;
 constexpr std::chrono::milliseconds probe_interval{30'000};
 /// While no result is whole, or another came in between.

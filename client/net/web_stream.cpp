@@ -146,6 +146,7 @@ public:
                             });
     }
     void shut() override {
+        shut_ = true;
         socket_.async_close(websocket::close_code::normal,
                             [self = this->shared_from_this()](const ErrorOfSystem&) {});
     }
@@ -189,6 +190,12 @@ private:
     }
     Result<Done> upgraded(const ErrorOfSystem& error) {
         if (error) return no_upgrade(error, response_, endpoint_);
+        // RFC 6455, 4.1: what was not offered cannot be agreed to.
+        if (response_.find(http::field::sec_websocket_extensions) != response_.end())
+            return Error{ErrorCode::none,
+                         fmt::format("the server at {} wants a WebSocket extension that nobody asked for: "
+                                     "check --connect",
+                                     to_text(endpoint_))};
         if (response_[http::field::sec_websocket_protocol] != subprotocol)
             return Error{ErrorCode::none,
                          fmt::format("the server at {} has WebSockets, but not Trochoid's: check --connect",
@@ -197,7 +204,7 @@ private:
         return Done{};
     }
     void take(const ErrorOfSystem& error, Arrived done) {
-        if (error) return done(ended(error));
+        if (error) return end(error, done);
         if (!socket_.got_binary()) {
             message_.clear();
             return done(Error{ErrorCode::malformed_frame, "a WebSocket message is text: send binary ones"});
@@ -212,6 +219,17 @@ private:
         const std::vector<uint8_t> whole(begin, begin + message_.size());
         message_.clear();
         done(std::span<const uint8_t>(whole));
+    }
+    /// Ours goes on to its close_notify also where the server's close frame did not come.
+    void end(const ErrorOfSystem& error, const Arrived& done) {
+        if constexpr (secure) {
+            if (shut_)
+                return socket_.next_layer().async_shutdown(
+                    [this, self = this->shared_from_this(), error, done](const ErrorOfSystem&) {
+                        if (!closed_) done(ended(error));
+                    });
+        }
+        done(ended(error));
     }
     Error ended(const ErrorOfSystem& error) const {
         const websocket::close_reason& reason = socket_.reason();
@@ -232,6 +250,7 @@ private:
     uint32_t longest_ = Limits{}.frame_to_client;
     const char* awaits_ = "nothing answered";
     bool closed_ = false;
+    bool shut_ = false;
 };
 
 }  // namespace

@@ -75,8 +75,8 @@ public:
     /// did not build on what we hold, or hashed differently): until the next snapshot results pass by.
     Result<std::optional<Ack>> apply(const Delta& delta);
     Result<Done> apply(const TerrainTiles& message);
-    /// The watermark of a clock reply, which holds for all events before `position`: it only rises. It falls where a snapshot is of an
-    /// earlier log position than what was held, from a node that lags.
+    /// The watermark of a clock reply, which holds for all events before `position`: here it only rises (a result of an earlier log position
+    /// than what was held, from a node that lags, brings its own).
     void confirm(SeaTime watermark, LogPosition position);
 
     /// The newest snapshot; the same pointer until something changes.

@@ -197,7 +197,8 @@ void unpack_removals(Scrutiny& check, const wire_fb::Delta& d, InterestDelta& ch
     if (const auto* blocks = check.optional_list("removed_blocks", d.removed_blocks(), most_entries))
         for (const wire_fb::BlockName* k : *blocks)
             change.removed_blocks.push_back({{k->field()}, {k->x(), k->z()}});
-    if (const auto* patches = check.optional_list("removed_patches", d.removed_patches(), most_entries))
+    if (const auto* patches =
+            check.optional_list("removed_patches", d.removed_patches(), most_removed_patches))
         for (const wire_fb::PatchName* k : *patches)
             change.removed_patches.push_back(unpack_patch_key(check, k->level(), k->x(), k->z()));
 }

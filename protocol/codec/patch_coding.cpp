@@ -150,7 +150,7 @@ void unpack_patches(Scrutiny& check, std::span<const uint8_t> planes, std::span<
     Columns columns(check, planes);
     const auto counts = columns.next<int32_t>(2);
     const int32_t set = check.within("patch_planes' patches", counts[0], 0, int32_t{Limits{}.patches});
-    const int32_t removed = check.within("patch_planes' removed patches", counts[1], 0, 65536);
+    const int32_t removed = check.within("patch_planes' removed patches", counts[1], 0, most_removed_patches);
     if (check.refused()) return;
     check.require(set + removed > 0, "patch_planes without patches");
     // Ascending keys take a byte each at least: what is made room for is no larger than what came.

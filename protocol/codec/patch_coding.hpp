@@ -19,6 +19,9 @@ Bytes code_patches(const InterestDelta& change, std::span<const uint32_t> box_id
 void unpack_patches(Scrutiny& check, std::span<const uint8_t> planes, std::span<const uint32_t> box_ids,
                     InterestDelta& change);
 
+/// Patches that one delta may remove, in either form.
+inline constexpr int32_t most_removed_patches = 65536;
+
 /// Entries of boxes that the patches of one delta may have together, in either form.
 inline constexpr size_t most_patch_boxes = 65536;
 

@@ -9,6 +9,12 @@
 // What a well-formed message still has to keep, as pure functions and small counters: no sockets, no clocks.
 namespace trochoid {
 
+/// Protocol versions from which on there are such things.
+inline constexpr uint16_t first_with_resume = 3;
+inline constexpr uint16_t first_with_probes = 3;
+inline constexpr uint16_t first_with_patch_planes = 3;
+inline constexpr uint16_t first_with_skip_time = 3;
+
 enum class SessionPhase : uint8_t {
     awaiting_hello,  ///< nothing but a ClientHello, or a Goodbye, may come
     open,            ///< both hellos have passed

@@ -13,7 +13,7 @@ namespace trochoid {
 /// clocks. Every call costs the logarithm of how many are there.
 class AddressCrowd {
 public:
-    /// `id` ascends from call to call.
+    /// Of two ids the lower is the older one: whoever came to the door first.
     void enter(const PeerAddress& address, uint64_t id);
     /// Without effect where it is not there.
     void leave(const PeerAddress& address, uint64_t id);

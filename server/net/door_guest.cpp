@@ -6,9 +6,9 @@
 #include <algorithm>
 #include <utility>
 
-#include "protocol/units/hash.hpp"
 #include "protocol/wire/session_rules.hpp"
 #include "server/net/admitted_transport.hpp"
+#include "server/net/farewell.hpp"
 #include "server/net/http_rules.hpp"
 #include "server/net/monotonic.hpp"
 #include "server/net/websocket_transport.hpp"
@@ -146,22 +146,27 @@ bool Guest::take_first_bytes() {
 }
 
 bool Guest::take_tls_hello() {
-    const bool known = head_.size() >= tls_hello_begin;
-    const size_t wanted = known ? tls_hello_bytes(bytes_of(head_).first<tls_hello_begin>()) : tls_hello_begin;
-    if (wanted == 0) {
-        refuse_tls(ErrorCode::malformed_frame);
-        return false;
+    for (int reads = 0;; ++reads) {
+        const bool known = head_.size() >= tls_hello_begin;
+        const size_t wanted =
+            known ? tls_hello_bytes(bytes_of(head_).first<tls_hello_begin>()) : tls_hello_begin;
+        if (wanted == 0) {
+            refuse_tls(ErrorCode::malformed_frame);
+            return false;
+        }
+        // As soon as it is whole: nothing more comes before an answer.
+        if (known && head_.size() == wanted) {
+            stage_ = Stage::tls_turn;
+            around_.wants_handshake(id_);
+            return false;
+        }
+        if (reads == reads_in_a_row) return false;
+        head_.reserve(wanted);
+        const auto buffer = around_.read_buffer.first(std::min(wanted - head_.size(), head_step));
+        const Transport::Moved moved = read(buffer);
+        if (moved.bytes == 0) return false;
+        head_.append(text_of(buffer.first(moved.bytes)));
     }
-    if (known && head_.size() == wanted) {
-        stage_ = Stage::tls_turn;
-        around_.wants_handshake(id_);
-        return false;
-    }
-    head_.reserve(wanted);
-    const auto buffer = around_.read_buffer.first(std::min(wanted - head_.size(), head_step));
-    const Transport::Moved moved = read(buffer);
-    head_.append(text_of(buffer.first(moved.bytes)));
-    return moved.bytes > 0;
 }
 
 void Guest::begin_tls() {
@@ -243,13 +248,8 @@ void Guest::hand_over(const Bytes& payload, std::span<const uint8_t> rest) {
 }
 
 void Guest::part(const Error& why) {
-    Goodbye goodbye = goodbye_for(why);
-    if (why.code == ErrorCode::too_many_connections || why.code == ErrorCode::shutting_down) {
-        goodbye.retry = true;  // not all at once
-        goodbye.retry_after_ms =
-            static_cast<uint32_t>(1000 + splitmix64(id_ ^ static_cast<uint64_t>(monotonic_us())) % 2000);
-    }
-    part(std::move(goodbye));
+    const bool later = why.code == ErrorCode::too_many_connections || why.code == ErrorCode::shutting_down;
+    part(later ? farewell(why, id_) : goodbye_for(why));
 }
 
 void Guest::part(Goodbye goodbye) {
@@ -357,7 +357,8 @@ void Guest::linger(ErrorCode code) {
 // Who says no more (a half-closed stream) still gets the answer whole: it only reads no further.
 void Guest::drop_bytes() {
     const Transport::Moved moved = transport_->read(around_.read_buffer);
-    dropped_bytes_ += moved.bytes;
+    // What a form swallows counts as a whole read.
+    dropped_bytes_ += moved.bytes > 0 ? moved.bytes : around_.read_buffer.size();
     if (!moved.closed) return;
     if (stage_ == Stage::answering)
         peer_done_ = true;
@@ -374,7 +375,7 @@ void Guest::leave(ErrorCode code) {
 
 void Guest::shut_out() {
     if (stage_ == Stage::first_frame)
-        part(Error{ErrorCode::shutting_down, "this server is shutting down: connect again later"});
+        part(shutting_down());
     else
         leave(ErrorCode::shutting_down);
 }
@@ -383,9 +384,7 @@ void Guest::sweep(int64_t now_us) {
     if (stage_ == Stage::gone || now_us < until_us_) return;
     const bool can_be_told = stage_ == Stage::first_frame || (stage_ == Stage::first_bytes && !handshaking_);
     if (can_be_told && !beyond_limit_)
-        part(Error{ErrorCode::hello_deadline,
-                   fmt::format("no hello within {} ms: send it right after connecting",
-                               around_.limits.hello_deadline_ms)});
+        part(hello_came_late(around_.limits));
     else if (stage_ == Stage::head && !beyond_limit_)
         answer(sentence(408, "The request did not come in time."), false);
     else

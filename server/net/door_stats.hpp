@@ -5,7 +5,7 @@
 namespace trochoid {
 
 /// What came to the door since the server started; written on the io thread only. Connections that end here are counted
-/// by code in ServerStats::ended, like sessions.
+/// by code in ServerStats::ended, like sessions; HTTP answers by status here.
 struct DoorStats {
     uint64_t accepted = 0;    ///< connections
     uint64_t guests_now = 0;  ///< not told apart yet, in a handshake, or being answered

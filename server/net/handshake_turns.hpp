@@ -9,11 +9,11 @@
 
 namespace trochoid {
 
-/// In what order TLS handshakes begin: the address that has begun the fewest lately goes first, then who has waited longest. So
+/// In what order TLS handshakes begin: the address that has begun the fewest lately goes first, then who came to the door first. So
 /// a newcomer passes a flood, however long its queue is. No sockets, no clocks.
 class HandshakeTurns {
 public:
-    /// `id` ascends from call to call.
+    /// Of two ids the lower goes first: whoever came to the door first.
     void wait(const PeerAddress& address, uint64_t id);
     /// Waits no longer; without effect where it does not.
     void forget(const PeerAddress& address, uint64_t id);

@@ -70,6 +70,8 @@ void add_door(Page& page, const DoorStats& s) {
     page.begin("tls_handshakes_total", "TLS handshakes that ended, by outcome.", "counter");
     page.line("tls_handshakes_total", "outcome=\"done\"", s.handshakes);
     page.line("tls_handshakes_total", "outcome=\"failed\"", s.handshakes_failed);
+    page.counter("tls_handshake_turns_total", "Turns in which TLS handshakes were begun, a few each.",
+                 s.handshake_turns);
     page.gauge("tls_handshakes_open", "TLS handshakes under way.", s.handshakes_now);
     page.counter("connections_made_room_total",
                  "Connections that were not in yet and had to go because newer ones came.", s.made_room);

@@ -5,6 +5,7 @@
 
 #include <utility>
 
+#include "server/net/farewell.hpp"
 #include "server/net/monotonic.hpp"
 
 namespace trochoid {
@@ -117,9 +118,7 @@ void Session::sweep(int64_t now_us) {
             return;
         case Stage::hello:
             if (now_us - started_us_ >= int64_t{limits.hello_deadline_ms} * 1000)
-                refuse({ErrorCode::hello_deadline,
-                        fmt::format("no hello within {} ms: send it right after connecting",
-                                    limits.hello_deadline_ms)});
+                refuse(hello_came_late(limits));
             return;
         case Stage::live: break;
     }

@@ -113,6 +113,7 @@ private:
     bool bulk_to_write(int64_t now_us) const;
     void write_bulk();
     void consider(int64_t now_us);
+    void spend(int64_t us);
     ResultRequest begin_considering(int64_t now_us);
     void take_result(std::optional<MadeResult> made);
     bool write_state(int64_t now_us);
@@ -153,9 +154,10 @@ private:
     ViewState view_;
     ViewMotion view_motion_;
     std::vector<SyncRegion> regions_;
-    bool view_news_ = false;  // a view that no result was decided from yet
-    bool sea_news_ = false;   // anything else that calls for a result
-    bool aside_ = false;      // a result is being computed aside, or waits for that
+    bool view_news_ = false;   // a view or regions that no result was decided from yet
+    bool view_waits_ = false;  // a view among them
+    bool sea_news_ = false;    // anything else that calls for a result
+    bool aside_ = false;       // a result is being computed aside, or waits for that
     SessionShare io_share_;
     int64_t considered_us_ = 0;  // when a result was decided last
     int64_t refresh_at_us_ = INT64_MAX;

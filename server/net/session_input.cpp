@@ -24,10 +24,6 @@ constexpr uint32_t challenge_points = 64;
 constexpr int most_resyncs_in_a_row = 4;
 // Read in one turn; then others get theirs. Some dozen small messages: whoever floods holds up the rest for a tenth of a millisecond.
 constexpr size_t bytes_a_turn = 1024;
-// Protocol versions from which on there are such things.
-constexpr uint16_t first_with_resume = 3;
-constexpr uint16_t first_with_probes = 3;
-constexpr uint16_t first_with_patch_planes = 3;
 // A client that finds difference after difference costs a snapshot each.
 constexpr int64_t desync_interval_us = 5 * microseconds_per_second;
 
@@ -58,14 +54,15 @@ void Session::on_readable() {
         end(ErrorCode::client_closed, "the connection was closed without a goodbye");
         return;
     }
-    if (moved.bytes == 0) {
+    if (stage_ == Stage::parting) {
+        // What a form swallows (records without content, a stream that is broken) counts as a whole read.
+        dropped_bytes_ += moved.bytes > 0 ? moved.bytes : around_.read_buffer.size();
+    } else if (moved.bytes == 0) {
         if (const auto fault = transport_->fault()) {
             Goodbye goodbye = goodbye_for(fault->error);
             if (fault->requirement != 0) goodbye.requirement = fault->requirement;
             part(std::move(goodbye));
         }
-    } else if (stage_ == Stage::parting) {
-        dropped_bytes_ += moved.bytes;
     } else {
         read_at_us_ = heard_us_ = monotonic_us();
         bytes_in_ += moved.bytes;
@@ -236,7 +233,7 @@ void Session::resume(const ResumeState& claim) {
 
 void Session::handle(const ViewUpdate& update) {
     ++around_.stats.views;
-    if (view_news_) ++around_.stats.views_superseded;
+    if (std::exchange(view_waits_, true)) ++around_.stats.views_superseded;
     view_motion_.take(view_, update.view, read_at_us_);
     view_ = update.view;
     view_news_ = true;
@@ -326,7 +323,7 @@ void Session::handle(const Command& command) {
         send(reply);
         return;
     }
-    if (protocol_ < first_with_probes && std::holds_alternative<SkipTime>(command.action))
+    if (protocol_ < first_with_skip_time && std::holds_alternative<SkipTime>(command.action))
         return refuse({ErrorCode::unknown_message,
                        fmt::format("there is no SkipTime in protocol version {}", protocol_)},
                       command.sequence);

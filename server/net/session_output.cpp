@@ -124,7 +124,7 @@ void Session::write_bulk() {
 }
 
 ResultRequest Session::begin_considering(int64_t now_us) {
-    sea_news_ = view_news_ = false;
+    sea_news_ = view_news_ = view_waits_ = false;
     considered_us_ = now_us;
     terrain_news_ = true;
     return {view_, regions_, state_.key(), state_.round_trip_us(), view_motion_.turn(now_us)};
@@ -140,9 +140,12 @@ void Session::consider(int64_t now_us) {
     }
     std::optional<MadeResult> made = around_.sea.make_result(begin_considering(now_us));
     take_result(std::move(made));
-    const int64_t spent_us = monotonic_us() - now_us;
-    io_share_.spend(spent_us);
-    around_.io_share.spend(spent_us);
+    spend(monotonic_us() - now_us);
+}
+
+void Session::spend(int64_t us) {
+    io_share_.spend(us);
+    around_.io_share.spend(us);
 }
 
 // The request is of now: what has come since the session began to wait counts.
@@ -152,7 +155,9 @@ void Session::compute_aside(const std::function<void()>& done) {
         begin_considering(monotonic_us()), [weak = weak_from_this(), done](std::optional<MadeResult> made) {
             if (const auto self = weak.lock(); self && self->stage_ == Stage::live) {
                 self->aside_ = false;
+                const int64_t begun_us = monotonic_us();
                 self->take_result(std::move(made));
+                self->spend(monotonic_us() - begun_us);
                 self->arm_writing();
             }
             done();

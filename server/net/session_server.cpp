@@ -7,7 +7,7 @@
 #include <random>
 #include <utility>
 
-#include "protocol/units/hash.hpp"
+#include "server/net/farewell.hpp"
 #include "server/net/monotonic.hpp"
 
 namespace trochoid {
@@ -67,8 +67,7 @@ void SessionServer::accept(std::unique_ptr<Transport> transport, int64_t since_u
         session.start(since_us);
         session.part(farewell(why, session.id()));
     };
-    if (draining_)
-        return part_with({ErrorCode::shutting_down, "this server is shutting down: connect again later"});
+    if (draining_) return part_with(shutting_down());
     if (sessions_.size() > around_.limits.sessions)
         return part_with(
             {ErrorCode::too_many_sessions,
@@ -164,23 +163,12 @@ void SessionServer::forget(uint64_t id, ErrorCode code) {
     });
 }
 
-// With a retry time of one to three seconds that differs, so that not all come back at once.
-Goodbye SessionServer::farewell(const Error& error, uint64_t id) {
-    Goodbye goodbye = goodbye_for(error);
-    goodbye.retry = true;
-    goodbye.retry_after_ms =
-        static_cast<uint32_t>(1000 + splitmix64(id ^ static_cast<uint64_t>(monotonic_us())) % 2000);
-    return goodbye;
-}
-
 void SessionServer::drain(std::function<void()> drained) {
     loop_.assert_here();
     if (draining_) return;
     draining_ = true;
     drained_ = std::move(drained);
-    for (const auto& session : all())
-        session->part(farewell(
-            {ErrorCode::shutting_down, "this server is shutting down: connect again later"}, session->id()));
+    for (const auto& session : all()) session->part(farewell(shutting_down(), session->id()));
     if (sessions_.empty() && drained_) std::exchange(drained_, nullptr)();
 }
 

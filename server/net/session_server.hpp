@@ -44,7 +44,6 @@ private:
     void admit(int64_t now_us);
     void take_turns();
     Session& enter(std::unique_ptr<Transport> transport);
-    static Goodbye farewell(const Error& error, uint64_t id);
     std::vector<std::shared_ptr<Session>> all() const;
 
     IoLoop& loop_;

@@ -52,11 +52,15 @@ public:
         arm();
     }
     void close() {
+        closed_ = true;
         beast_ = session_ = flooded = nullptr;
         transport->close();
     }
+    /// Nothing is read or written any more, whatever Beast still has under way.
+    bool closed() const { return closed_; }
     /// What Beast is given to read.
     void came(std::span<const uint8_t> bytes) {
+        if (dropping_) dropped_ += bytes.size();
         const int64_t now_us = monotonic_us();
         for (uint32_t i = frames_.take(bytes); i > 0; --i) flood_ = flood_ || !odd_frames_.take(now_us);
         if (flood_ && flooded) std::exchange(flooded, nullptr)();
@@ -65,6 +69,10 @@ public:
     std::unique_ptr<Transport> transport;
     IoLoop& loop;
     std::function<void()> flooded;  ///< called once, when too many pings and fragments have come
+    /// The last word is said: Beast reads on for the peer's close frame, and drops the rest.
+    void last_word_said() { dropping_ = true; }
+    /// More has come since than may: nothing is read any more.
+    bool read_enough() const { return dropped_ >= most_dropped_bytes; }
 
 private:
     void arm() {
@@ -80,9 +88,12 @@ private:
     std::function<void()> beast_;
     std::function<void()> session_;
     bool armed_ = false;
+    bool closed_ = false;
     WebFrameCount frames_;
     RateLimit odd_frames_{odd_frames_per_second, odd_frames_at_once};
     bool flood_ = false;
+    bool dropping_ = false;
+    size_t dropped_ = 0;
 };
 
 // Beast's AsyncStream over it. Handlers are never called from inside the asking call.
@@ -140,6 +151,8 @@ private:
 };
 
 void BeastStream::read(asio::mutable_buffer into, Done done, bool inside) {
+    if (shared_->closed()) return complete(std::move(done), asio::error::operation_aborted, 0, inside);
+    if (shared_->read_enough()) return;
     Transport& transport = *shared_->transport;
     const Transport::Moved moved = transport.read({static_cast<uint8_t*>(into.data()), into.size()});
     if (moved.closed || transport.fault()) {
@@ -155,6 +168,7 @@ void BeastStream::read(asio::mutable_buffer into, Done done, bool inside) {
 }
 
 void BeastStream::write(asio::const_buffer from, Done done, bool inside) {
+    if (shared_->closed()) return complete(std::move(done), asio::error::operation_aborted, 0, inside);
     const Transport::Moved moved =
         shared_->transport->write({static_cast<const uint8_t*>(from.data()), from.size()});
     if (moved.closed) {
@@ -196,7 +210,8 @@ websocket::close_reason reason_for(ErrorCode why, bool text) {
     return reason;
 }
 
-// What a WebSocket needs as long as Beast's calls are under way; the transport holds it, and so do those calls.
+// What a WebSocket needs. Only the transport holds it: Beast keeps calls that wait for one another in the stream itself, and where the
+// peer says no more they would hold it for ever.
 class Socket : public std::enable_shared_from_this<Socket> {
 public:
     Socket(IoLoop& loop, std::unique_ptr<Transport> inner, uint32_t longest)
@@ -274,7 +289,9 @@ void Socket::accept(const HttpRequest& upgrade) {
                                 fmt::format("more than {} pings and fragments a second: send whole messages",
                                             odd_frames_per_second)});
     };
-    websocket_.async_accept(request, [self = shared_from_this()](const error_code& failed) {
+    websocket_.async_accept(request, [weak = weak_from_this()](const error_code& failed) {
+        const auto self = weak.lock();
+        if (!self) return;
         if (failed) {
             self->closed_ = true;
             self->tell_reader();
@@ -326,7 +343,9 @@ void Socket::read_message() {
     // One byte of room beyond the limit tells that there is more.
     const auto room = message_.room(size_t{longest_} + 1);
     websocket_.async_read_some(asio::buffer(room.data(), room.size()),
-                               [self = shared_from_this()](const error_code& failed, size_t bytes) {
+                               [weak = weak_from_this()](const error_code& failed, size_t bytes) {
+                                   const auto self = weak.lock();
+                                   if (!self) return;
                                    self->reading_ = false;
                                    self->message_.took(bytes);
                                    self->took(failed);
@@ -402,7 +421,9 @@ Transport::Moved Socket::write(std::span<const uint8_t> bytes) {
 void Socket::send_message() {
     busy_ = true;
     websocket_.async_write(asio::buffer(outgoing_),
-                           [self = shared_from_this()](const error_code& failed, size_t) {
+                           [weak = weak_from_this()](const error_code& failed, size_t) {
+                               const auto self = weak.lock();
+                               if (!self) return;
                                self->outgoing_ = {};
                                self->header_read_ = 0;
                                if (failed && !self->broken_) self->closed_ = true;
@@ -438,7 +459,10 @@ void Socket::finish(ErrorCode why) {
 
 void Socket::say_close() {
     if (closed_ || broken_ || std::exchange(close_said_, true)) return;
-    websocket_.async_close(reason_for(*finishing_, text_), [self = shared_from_this()](const error_code&) {
+    stream_->last_word_said();
+    websocket_.async_close(reason_for(*finishing_, text_), [weak = weak_from_this()](const error_code&) {
+        const auto self = weak.lock();
+        if (!self) return;
         self->closed_ = true;
         self->tell_reader();
     });

@@ -18,6 +18,7 @@ Catalogue whole_catalogue() {
     server::add_clock_cases(all);
     server::add_result_cases(all);
     server::add_evaluation_cases(all);
+    server::add_arithmetic_cases(all);
     server::add_terrain_cases(all);
     server::add_command_cases(all);
     server::add_land_change_cases(all);
@@ -26,6 +27,8 @@ Catalogue whole_catalogue() {
     server::add_golden_cases(all);
     client::add_hello_cases(all);
     client::add_stream_cases(all);
+    client::add_web_cases(all);
+    client::add_tls_cases(all);
     client::add_buffer_cases(all);
     client::add_field_cases(all);
     client::add_result_field_cases(all);

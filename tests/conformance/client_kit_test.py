@@ -15,6 +15,7 @@ import client_mutants  # noqa: E402
 BIN = pathlib.Path(os.environ.get("TROCHOID_BIN", HERE.parents[1] / "build/release/bin")).resolve()
 KIT = BIN / "trochoid-conformance"
 PROBE = f"exec {shlex.quote(str(BIN / 'trochoid-probe'))} --connect {{address}} --point 0,0 --watch --every 0.5"
+TRUST = {"tls": " --ca {ca}", "ws": "", "wss": " --ca {ca}"}
 SECOND = f"exec /usr/bin/python3 -B {shlex.quote(str(HERE / 'python/trochoid_client.py'))} --connect {{address}} --seconds 20"
 PATIENCE_S = 280
 
@@ -45,7 +46,30 @@ class Judged(unittest.TestCase):
 class OwnProbe(Judged):
     def test_it_conforms(self):
         cases = self.conforms(PROBE, "expected-failures-probe.txt")
-        self.assertEqual([c["id"] for c in cases.values() if c["verdict"] == "skipped"], [])
+        self.assertEqual([c["id"] for c in cases.values() if c["verdict"] == "skipped" and not c["reason"].startswith("needs ")], [])
+
+
+class Transports(Judged):
+    """Beginnings, refusals and ends over TLS and WebSockets. All other cases go there too: --transport."""
+
+    def over(self, transport, client):
+        cases, _ = self.verdicts(0, "--transport", transport, "--run", client + TRUST[transport], "--longest-wait", 4, "--timeout", 8, "--jobs", 8,
+                                 "--only", "R-10*", "--only", "R-121/t*", "--only", "R-13*", "--only", "R-15*")
+        passed = {name for name, c in cases.items() if c["verdict"] == "passed"}
+        self.assertIn("R-104/speaks-first", passed)
+        self.assertIn("R-133/snapshot", passed)
+        # Those of the raw stream's bytes, else those of the transport that is not there.
+        for requirement, there in (("R-102", transport == "tls"), ("R-105", transport != "tls"), ("R-106", transport != "ws")):
+            self.assertEqual(any(name.startswith(requirement) for name in passed), there, requirement)
+
+    def test_tls(self):
+        self.over("tls", PROBE)
+
+    def test_websocket(self):
+        self.over("ws", PROBE)
+
+    def test_websocket_inside_tls(self):
+        self.over("wss", PROBE)
 
 
 class SecondClient(Judged):
@@ -54,6 +78,8 @@ class SecondClient(Judged):
             print("python3-flatbuffers is missing")
             sys.exit(77)
         self.conforms(SECOND, "expected-failures-python.txt")
+        for transport, trust in TRUST.items():
+            self.verdicts(0, "--transport", transport, "--run", SECOND + trust, "--only", "R-10*", "--only", "R-133/snapshot", "--timeout", 8)
 
 
 class BadClients(Judged):
@@ -93,6 +119,16 @@ class BadClients(Judged):
         failed = self.spoilt("client-no-magic", "R-101", "R-101/*", "R-133/snapshot")
         self.assertEqual(set(failed), {"R-101/magic", "R-133/snapshot"})
 
+    def test_what_lies_below_messages(self):
+        failed = self.spoilt("client-forgives-105", "R-105", "R-105/*", "R-103/long*", "R-133/snapshot")
+        self.assertEqual(set(failed), {"R-105/text", "R-105/masked", "R-105/reserved-bits", "R-105/reserved-opcode"})
+        failed = self.spoilt("client-small-letters", "R-104", "R-104/*", "R-105/goodbye")
+        self.assertEqual(set(failed), {"R-104/speaks-first", "R-105/goodbye"})
+        failed = self.spoilt("client-split-hello", "R-106", "R-106/client-hello", "R-133/snapshot", "R-104/speaks-first")
+        self.assertEqual(set(failed), {"R-106/client-hello", "R-133/snapshot"})
+        failed = self.spoilt("client-no-close-notify", "R-106", "R-106/*", "R-121/two-hellos", "R-133/snapshot")
+        self.assertEqual(set(failed), {"R-106/close-notify", "R-121/two-hellos"})
+
     def test_nobody_speaks(self):
         done = kit("--run", f"exec {sys.executable} -c \"import socket;h,p='{{address}}'.split(':');s=socket.create_connection((h,int(p)));"
                    "s.close()\"", "--only", "R-133/snapshot", "--timeout", 1)
@@ -104,7 +140,8 @@ class BadClients(Judged):
         self.assertIn("crashed", judged["R-121/no-retry"]["reason"])
 
     def test_options(self):
-        for arguments in ((), ("--run", "x", "--listen", "1"), ("--only", "R-999/*", "--list"), ("--run", "exit 3", "--timeout", "0.1")):
+        for arguments in ((), ("--run", "x", "--listen", "1"), ("--only", "R-999/*", "--list"), ("--run", "exit 3", "--timeout", "0.1"),
+                          ("--run", "x {ca}"), ("--run", "x", "--transport", "udp")):
             done = kit(*arguments)
             self.assertEqual(done.returncode, 2, arguments)
             self.assertEqual(len(done.stderr.splitlines()), 1, done.stderr)

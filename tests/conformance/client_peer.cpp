@@ -261,6 +261,8 @@ CloseReport ClientPeer::await_end(int64_t sent_at_us) {
     }
     if (stream_.state() != Stream::State::open)
         report.end_us = std::max<int64_t>(0, monotonic_us() - sent_at_us);
+    // Whoever has said goodbye ends the stream in its own way, too.
+    if (const std::string wrong = stream_.wrong_end(); goodbye_ && !wrong.empty()) throw Failed{wrong};
     return report;
 }
 
@@ -317,7 +319,9 @@ void ClientPeer::expect_end() {
         receive(deadline.left());
     const CloseReport close = await_end(sent_at_us);
     trial_.close_seen(close);
-    if (close.verdict == CloseVerdict::left_open) throw Failed{"the client did not end the connection"};
+    if (close.verdict != CloseVerdict::left_open) return;
+    const std::string wrong = stream_.wrong_end();
+    throw Failed{wrong.empty() ? "the client did not end the connection" : wrong};
 }
 
 }  // namespace trochoid::conformance

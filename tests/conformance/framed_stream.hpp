@@ -41,6 +41,8 @@ public:
     }
 
     Stream::State state() const { return stream_->state(); }
+    std::string wrong_end() const { return stream_->wrong_end(); }
+    bool keeps_messages() const { return stream_->keeps_messages(); }
     /// The stream may end here: no frame is begun.
     bool between_frames() const { return unread_.empty() && frames_.between_frames(); }
     void finish() { stream_->finish(); }

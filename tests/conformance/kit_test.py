@@ -173,7 +173,8 @@ class Vectors(unittest.TestCase):
         self.assertIn("2 failed", done.stdout)
 
     def test_what_is_no_answer(self):
-        for answers in ("sincos 0 0 0\n", "vectors nothing\n", "vectors sea\nsincos 77 0 0\n", "vectors fields\nland 1 0\n"):
+        for answers in ("sincos 0 0 0\n", "vectors nothing\n", "vectors sea\nsincos 77 0 0\n", "vectors fields\nland 1 0\n",
+                        "vectors messages\nserver nosuch 00\n", "vectors sea\nsincoss 0 1\n"):
             done = self.judged(answers)
             self.assertEqual(done.returncode, 2, answers)
             self.assertEqual(len(done.stderr.splitlines()), 1, done.stderr)

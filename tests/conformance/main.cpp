@@ -129,18 +129,19 @@ void look_at_client(const ClientTarget& target, Report& report) {
         return OperatorError(fmt::format("no client says hello: {}: check --run or --listen", reason));
     };
     ClientTrial trial(target);
-    ClientPeer* peer = nullptr;
+    std::unique_ptr<Stream> tcp;
     try {
-        peer = &trial.accept();
+        tcp = trial.come(Way::plain);
     } catch (const Failed& failed) {
         throw nobody(failed.reason);
     }
     try {
-        peer->receive(long_enough);
-        if (!peer->said_hello())
+        ClientPeer& peer = trial.meet(trial.ascend(std::move(tcp), Way::whole));
+        peer.receive(long_enough);
+        if (!peer.said_hello())
             throw nobody(
                 fmt::format("nothing came within {} s: {}", long_enough.count() / 1000, trial.last_words()));
-        const ClientHello& hello = peer->hello();
+        const ClientHello& hello = peer.hello();
         report.software = hello.software;
         report.world =
             fmt::format("protocol {} to {}, model {}", hello.protocol_min, hello.protocol_max, hello.model);
@@ -157,15 +158,18 @@ int test_client(Options& options) {
     plan.cases = chosen_cases(options, whole_catalogue());
     if (target.command.empty()) {
         target.gate = std::make_shared<Listener>(options.listen);
-        fmt::print("Start the client against {}, again and again: each case wants a connection of its own\n",
-                   to_text(target.gate->address()));
+        fmt::print(
+            "Start the client against {}{}, again and again: each case wants a connection of its own\n",
+            address_of(*target.gate, target.transport),
+            target.authority ? fmt::format(" (it shall trust {})", target.authority->file()) : "");
+        std::fflush(stdout);
         constexpr Milliseconds by_hand{60'000};
         target.coming = by_hand;
         options.jobs = 1;
     }
     Report report;
     report.side = Side::client;
-    report.target = target.command.empty() ? to_text(target.gate->address()) : target.command;
+    report.target = target.command.empty() ? address_of(*target.gate, target.transport) : target.command;
     look_at_client(target, report);
     plan.trial = [&] { return std::make_unique<ClientTrial>(target); };
     plan.still_serves = [] {};
@@ -177,10 +181,11 @@ int test_client(Options& options) {
 /// Golden vectors as cases; with what was judged of each, where it was.
 Catalogue vector_catalogue(const std::vector<VectorCase>& cases, const std::vector<Outcome>& judged = {}) {
     Catalogue all;
-    for (size_t i = 0; i < cases.size(); ++i) {
+    for (const VectorCase& it : cases) {
+        const size_t i = all.size();
         Case& made = all.emplace_back();
-        made.id = cases[i].id;
-        made.title = cases[i].title;
+        made.id = it.id;
+        made.title = it.title;
         made.side = Side::vectors;
         if (judged.empty()) continue;
         made.body = [outcome = judged[i]](Trial& trial) {

@@ -69,18 +69,22 @@ void add_server(CLI::App& app, Options& options, std::string& address, std::stri
         ->capture_default_str();
 }
 
-CLI::App* add_client(CLI::App& app, Options& options, double& timeout_s, double& longest_s) {
+CLI::App* add_client(CLI::App& app, Options& options, std::string& transport, double& timeout_s,
+                     double& longest_s) {
     CLI::App* client =
         app.add_subcommand("client", "Tests a client: takes the part of a server on the loopback interface");
     add_common(*client, options);
     CLI::Option* run = client->add_option(
         "--run", options.client.command,
-        "Command that starts the client, for a shell; {address} in it stands for HOST:PORT. Every case "
-        "starts it anew and ends it (SIGTERM)");
+        "Command that starts the client, for a shell; {address} in it stands for HOST:PORT (behind tls://, ws:// or wss://, as "
+        "--transport says), {ca} for a PEM file of the certificate to trust. Every case starts it anew and ends it (SIGTERM)");
     CLI::Option* listen = client->add_option(
         "--listen", options.listen,
         "Listen at this port instead: the client is started by hand, or in a loop, once a case");
     run->excludes(listen);
+    client->add_option("--transport", transport, "How the client comes: tcp, tls, ws or wss")
+        ->check(CLI::IsMember({"tcp", "tls", "ws", "wss"}))
+        ->capture_default_str();
     client->add_option("--jobs", options.jobs, "Cases side by side (with --run)")
         ->check(CLI::Range(1, 64))
         ->capture_default_str();
@@ -125,6 +129,7 @@ std::optional<Options> read_options(int argc, char** argv) {
     std::string ca_file;
     std::string token_file;
     std::string key_file;
+    std::string transport = "tcp";
     double timeout_s = 5.0;
     double longest_s = 8.0;
     CLI::App app("Tests whether a program keeps the Trochoid standard (protocol/README.md).",
@@ -136,7 +141,7 @@ std::optional<Options> read_options(int argc, char** argv) {
         "Exit: 0 it conforms, 1 it does not, 2 bad options or files, or nothing could be tested.");
     add_server(*app.add_subcommand("server", "Tests a server: connects to it as its clients would"), options,
                address, ca_file, token_file, key_file, timeout_s, longest_s);
-    const CLI::App* client = add_client(app, options, timeout_s, longest_s);
+    const CLI::App* client = add_client(app, options, transport, timeout_s, longest_s);
     const VectorCommands vectors = add_vectors(app, options);
     try {
         app.parse(argc, argv);
@@ -158,6 +163,9 @@ std::optional<Options> read_options(int argc, char** argv) {
         if (options.client.command.empty() && options.listen == 0 && !options.list)
             throw OperatorError(
                 "say how the client is started (--run 'PROGRAM {address}') or where it will come (--listen PORT)");
+        // The port only fills the address.
+        if (!options.list)
+            use_transport(options.client, parse_endpoint(transport + "://127.0.0.1:1").transport);
         return options;
     }
     options.target.server = endpoint_from_options(address, ca_file);

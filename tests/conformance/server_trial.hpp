@@ -54,6 +54,7 @@ void add_session_cases(Catalogue& catalogue);
 void add_clock_cases(Catalogue& catalogue);
 void add_result_cases(Catalogue& catalogue);
 void add_evaluation_cases(Catalogue& catalogue);
+void add_arithmetic_cases(Catalogue& catalogue);
 void add_terrain_cases(Catalogue& catalogue);
 void add_command_cases(Catalogue& catalogue);
 void add_login_cases(Catalogue& catalogue);

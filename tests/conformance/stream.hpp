@@ -27,6 +27,9 @@ public:
     /// Bytes read; 0 where nothing came in time or the stream is no longer open.
     virtual size_t read(std::span<uint8_t> into, Milliseconds within) = 0;
     virtual State state() const = 0;
+    /// Where it has stopped without the mark that its kind of stream ends with, or with a wrong one, or does not answer ours: what to
+    /// say of it, the requirement first. Empty else, and where it was reset.
+    virtual std::string wrong_end() const { return {}; }
     /// Tells the other side that nothing more comes; reading goes on.
     virtual void finish() = 0;
     /// Ends the stream at once with a reset.

@@ -37,7 +37,7 @@ UnixSeconds unix_now();
 /// A token that a server has to take once, now.
 LoginToken usual_token(Role role, const std::string& world);
 
-/// How far the way to a server goes that --connect tells.
+/// How far a way goes that --connect, or --transport, tells.
 enum class Way : uint8_t {
     whole,  ///< up to where messages of the protocol go
     bytes,  ///< inside TLS where the address says so, but without a WebSocket

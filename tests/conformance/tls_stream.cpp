@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 #include <openssl/err.h>
+#include <openssl/pem.h>
 #include <openssl/ssl.h>
 #include <openssl/x509v3.h>
 
@@ -9,6 +10,7 @@
 #include <utility>
 
 #include "protocol/units/operator_error.hpp"
+#include "protocol/wire/frame.hpp"
 #include "tests/conformance/framed_stream.hpp"
 
 namespace trochoid::conformance {
@@ -26,6 +28,9 @@ std::string complaint() {
 struct Freed {
     void operator()(SSL_CTX* context) const { SSL_CTX_free(context); }
     void operator()(SSL* ssl) const { SSL_free(ssl); }
+    void operator()(BIO* bio) const { BIO_free(bio); }
+    void operator()(X509* certificate) const { X509_free(certificate); }
+    void operator()(EVP_PKEY* key) const { EVP_PKEY_free(key); }
 };
 
 std::unique_ptr<SSL_CTX, Freed> context_for(const TlsOffer& offer) {
@@ -48,14 +53,36 @@ std::unique_ptr<SSL_CTX, Freed> context_for(const TlsOffer& offer) {
 
 class OverBytes final : public TlsStream {
 public:
-    OverBytes(std::unique_ptr<Stream> inner, const TlsOffer& offer, Milliseconds within)
-        : inner_(std::move(inner)), context_(context_for(offer)), ssl_(SSL_new(context_.get())) {
+    OverBytes(std::unique_ptr<Stream> inner, SSL_CTX* context)
+        : inner_(std::move(inner)), ssl_(SSL_new(context)) {
         in_ = BIO_new(BIO_s_mem());
         out_ = BIO_new(BIO_s_mem());
         SSL_set_bio(ssl_.get(), in_, out_);  // theirs to free
+    }
+
+    void connect(const TlsOffer& offer, Milliseconds within) {
         SSL_set_connect_state(ssl_.get());
         name(offer);
-        shake_hands(within);
+        shake_hands(Deadline(within));
+    }
+
+    void accept(Milliseconds within, TlsHello* hello) {
+        const Deadline deadline(within);
+        SSL_set_accept_state(ssl_.get());
+        Bytes first;
+        while (first.size() < tls_record_header_bytes ||
+               first.size() < tls_record_header_bytes + tls_record_bytes(first)) {
+            const size_t count = inner_->read(chunk_, deadline.left());
+            if (count == 0)
+                throw Failed{fmt::format("R-106: {} of the ClientHello's bytes came", first.size())};
+            first.insert(first.end(), chunk_.begin(), chunk_.begin() + static_cast<std::ptrdiff_t>(count));
+            // What is no TLS has no length to wait for.
+            if (first.front() != tls_handshake_record) break;
+        }
+        const TlsHello said = judge_tls_hello(first);
+        if (hello != nullptr) *hello = said;
+        BIO_write(in_, first.data(), static_cast<int>(first.size()));
+        shake_hands(deadline);
     }
 
     bool write(std::span<const uint8_t> bytes) override {
@@ -94,6 +121,12 @@ public:
         inner_->abort();
         state_ = State::reset;
     }
+    std::string wrong_end() const override {
+        return state_ == State::reset && inner_->state() == State::ended &&
+                       SSL_is_init_finished(ssl_.get()) == 1
+                   ? "R-106: the stream just stops, without close_notify"
+                   : "";
+    }
     TlsAgreement agreement() const override {
         TlsAgreement agreed;
         agreed.version = SSL_get_version(ssl_.get());
@@ -124,8 +157,7 @@ private:
         if (!list.empty()) SSL_set_alpn_protos(ssl_.get(), list.data(), static_cast<unsigned>(list.size()));
     }
 
-    void shake_hands(Milliseconds within) {
-        const Deadline deadline(within);
+    void shake_hands(const Deadline& deadline) {
         while (true) {
             ERR_clear_error();
             const int done = SSL_do_handshake(ssl_.get());
@@ -134,13 +166,13 @@ private:
             if (SSL_get_error(ssl_.get(), done) != SSL_ERROR_WANT_READ) {
                 const long trust = SSL_get_verify_result(ssl_.get());
                 throw Failed{
-                    fmt::format("R-106: no TLS handshake: {}",
+                    fmt::format("{}: {}", TlsGate::no_handshake,
                                 trust == X509_V_OK ? complaint() : X509_verify_cert_error_string(trust))};
             }
             if (!pump(deadline.left()))
-                throw Failed{fmt::format("R-106: no TLS handshake: {}", inner_->state() == State::open
-                                                                            ? "no answer in time"
-                                                                            : "the connection ended")};
+                throw Failed{fmt::format(
+                    "{}: {}", TlsGate::no_handshake,
+                    inner_->state() == State::open ? "no answer in time" : "the connection ended")};
         }
     }
 
@@ -164,7 +196,6 @@ private:
     }
 
     std::unique_ptr<Stream> inner_;
-    std::unique_ptr<SSL_CTX, Freed> context_;
     std::unique_ptr<SSL, Freed> ssl_;
     BIO* in_ = nullptr;
     BIO* out_ = nullptr;
@@ -172,11 +203,71 @@ private:
     State state_ = State::open;
 };
 
+/// "trochoid" or "http/1.1", whichever the client names first.
+int choose_protocol(SSL*, const unsigned char** chosen, unsigned char* length, const unsigned char* offered,
+                    unsigned offered_bytes, void*) {
+    for (unsigned at = 0; at < offered_bytes; at += offered[at] + 1U) {
+        const std::string_view name(reinterpret_cast<const char*>(offered) + at + 1, offered[at]);
+        if (name != "trochoid" && name != "http/1.1") continue;
+        *chosen = offered + at + 1;
+        *length = offered[at];
+        return SSL_TLSEXT_ERR_OK;
+    }
+    return SSL_TLSEXT_ERR_NOACK;
+}
+
+using Memory = std::unique_ptr<BIO, Freed>;
+Memory memory_of(const std::string& text) {
+    return Memory(BIO_new_mem_buf(text.data(), static_cast<int>(text.size())));
+}
+
+/// As those who serve do.
+bool take_identity(SSL_CTX* context, const CertifiedKey& identity) {
+    const std::unique_ptr<X509, Freed> certificate(
+        PEM_read_bio_X509(memory_of(identity.certificate).get(), nullptr, nullptr, nullptr));
+    const std::unique_ptr<EVP_PKEY, Freed> key(
+        PEM_read_bio_PrivateKey(memory_of(identity.key).get(), nullptr, nullptr, nullptr));
+    return certificate && key && SSL_CTX_use_certificate(context, certificate.get()) == 1 &&
+           SSL_CTX_use_PrivateKey(context, key.get()) == 1;
+}
+
 }  // namespace
 
 std::unique_ptr<TlsStream> begin_tls(std::unique_ptr<Stream> inner, const TlsOffer& offer,
                                      Milliseconds within) {
-    return std::make_unique<OverBytes>(std::move(inner), offer, within);
+    auto stream = std::make_unique<OverBytes>(std::move(inner), context_for(offer).get());
+    stream->connect(offer, within);
+    return stream;
+}
+
+struct TlsGate::Impl {
+    std::unique_ptr<SSL_CTX, Freed> context{SSL_CTX_new(TLS_server_method())};
+};
+
+TlsGate::TlsGate(const TlsAnswer& answer) : impl_(std::make_unique<Impl>()) {
+    SSL_CTX* const context = impl_->context.get();
+    if (answer.at_most_1_2) {
+        SSL_CTX_set_security_level(context, 0);
+        SSL_CTX_set_max_proto_version(context, TLS1_2_VERSION);
+    }
+    if (!answer.names_no_protocol) SSL_CTX_set_alpn_select_cb(context, choose_protocol, nullptr);
+    // Whoever would use it shows that at its return.
+    constexpr uint32_t early_bytes = 16'384;
+    SSL_CTX_set_max_early_data(context, early_bytes);
+    constexpr std::array<unsigned char, 8> name{'t', 'r', 'o', 'c', 'h', 'o', 'i', 'd'};
+    SSL_CTX_set_session_id_context(context, name.data(), name.size());
+    const bool fits = answer.groups.empty() || SSL_CTX_set1_groups_list(context, answer.groups.c_str()) == 1;
+    if (!fits || !take_identity(context, answer.identity))
+        throw OperatorError("OpenSSL cannot serve TLS as the kit needs it: " + complaint());
+}
+
+TlsGate::~TlsGate() = default;
+
+std::unique_ptr<TlsStream> TlsGate::accept(std::unique_ptr<Stream> inner, Milliseconds within,
+                                           TlsHello* hello) const {
+    auto stream = std::make_unique<OverBytes>(std::move(inner), impl_->context.get());
+    stream->accept(within, hello);
+    return stream;
 }
 
 }  // namespace trochoid::conformance

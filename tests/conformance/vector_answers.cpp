@@ -88,6 +88,15 @@ std::string subject_of(const VectorSet& set, const VectorLine& line) {
     return set.name == "messages" ? line.question : set.name + " " + line.kind;
 }
 
+/// Whether such lines of the set are no questions, but what its questions are about.
+bool is_record(const VectorSet& set, const std::string& kind) {
+    return set.text.find(fmt::format("\n{} ", kind)) != std::string::npos;
+}
+
+bool asks_of(const std::vector<VectorCase>& cases, const VectorSet& set) {
+    return std::any_of(cases.begin(), cases.end(), [&](const VectorCase& it) { return it.set == set.name; });
+}
+
 std::map<std::string, Tally> questions_of(const std::vector<VectorCase>& cases) {
     std::map<std::string, Tally> tallies;
     for (const VectorCase& it : cases) tallies[it.subject];
@@ -174,9 +183,13 @@ std::vector<Outcome> judge_answers(std::istream& answers, const std::string& nam
             throw OperatorError(where + ": a line 'vectors NAME' has to come before the answers");
         const auto apart = vector_line(*set, line);
         if (!apart) throw OperatorError(fmt::format("{}: '{}' has too few words", where, line));
-        if (apart->answer.empty()) continue;
+        if (apart->answer.empty() && is_record(*set, apart->kind)) continue;
         const auto found = tallies.find(subject_of(*set, *apart));
-        if (found != tallies.end()) take(*set, *apart, found->second, where);
+        if (found != tallies.end())
+            take(*set, *apart, found->second, where);
+        else if (asks_of(cases, *set))
+            throw OperatorError(
+                fmt::format("{}: '{}' is no question of `vectors {}`", where, apart->question, set->group));
     }
     std::vector<Outcome> outcomes;
     for (const VectorCase& it : cases) {

@@ -29,8 +29,9 @@ uint16_t close_code_of(const WebMessage& close);
 
 /// The bytes of a frame. `first`: opcode with its bits; `masked` as clients have to.
 Bytes web_frame(uint8_t first, std::span<const uint8_t> payload, bool masked = true);
-/// Takes a server's frame off the front; nothing where it is not whole yet. Failed where the server may not send it.
-std::optional<WebMessage> take_web_frame(Bytes& unread);
+enum class WebRole : uint8_t { client, server };
+/// Takes a frame of theirs off the front, unmasked; nothing where it is not whole yet. Failed where they may not send it.
+std::optional<WebMessage> take_web_frame(Bytes& unread, WebRole theirs = WebRole::server);
 /// The head of a request for an upgrade at this Host, without the header lines that begin with `except` (empty: all), with the line `more`.
 std::string web_upgrade(const std::string& host, const std::string& except = "",
                         const std::string& more = "");
@@ -39,9 +40,31 @@ std::optional<std::string> take_head(Bytes& unread);
 /// "HTTP/1.1 426 ..." gives 426; 0 where it is no answer.
 int status_of(const std::string& answer);
 
-/// A WebSocket of the subprotocol, whose messages are payloads. Failed where the server does not agree. `ended`: by a close frame; one
-/// that just stops counts as reset.
-std::unique_ptr<Stream> begin_web(std::unique_ptr<Stream> inner, const std::string& host,
-                                  Milliseconds within);
+/// A WebSocket of the subprotocol, whose messages are payloads. `ended`: by a close frame; one that just stops counts as reset.
+class WebStream : public Stream {
+public:
+    /// Bytes below the messages, as they are. False as write().
+    virtual bool write_below(std::span<const uint8_t> bytes) = 0;
+    /// Of the other side's close frame: 1005 where it names none, 0 where none has come.
+    virtual uint16_t close_code() const = 0;
+    /// Payloads of the pongs that have come.
+    virtual const std::vector<Bytes>& pongs() const = 0;
+};
+
+/// As a client. Failed where the server does not agree.
+std::unique_ptr<WebStream> begin_web(std::unique_ptr<Stream> inner, const std::string& host,
+                                     Milliseconds within);
+
+/// How a client's upgrade is answered. As it is here: 101.
+struct WebAnswer {
+    std::string status;  ///< "403 Forbidden", and the connection ends; empty: 101
+    std::string except;  ///< header lines left out: those that begin so
+    std::string more;    ///< a header line besides
+};
+/// As a server: reads and judges the client's upgrade, and answers it. Failed where the client may not ask so.
+std::unique_ptr<WebStream> accept_web(std::unique_ptr<Stream> inner, const WebAnswer& answer,
+                                      Milliseconds within);
+/// Judges the head of an upgrade by; its key. Failed where a client may not ask so.
+std::string judge_upgrade(const std::string& head);
 
 }  // namespace trochoid::conformance

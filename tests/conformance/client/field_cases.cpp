@@ -184,6 +184,7 @@ void add_answers(Catalogue& all) {
                                   P reply = legal<P>();
                                   reply.stale = true;
                                   ClientPeer& peer = trial.welcome();
+                                  need_version(peer, first_with_probes);
                                   peer.send(reply);
                                   peer.expect_goodbye(out_of_range, {unexpected});
                               }));

@@ -24,11 +24,68 @@ void require(bool holds, std::string sentence) {
     if (!holds) throw Failed{std::move(sentence)};
 }
 
+/// A frame was read behind the magic.
+void was_framed(const ClientHello&, ClientTrial& trial) {
+    if (is_web(trial.target().transport)) throw Skipped{"a WebSocket has no magic: --transport tcp or tls"};
+}
+
+/// What our hello may say to theirs.
+void add_answers(Catalogue& all) {
+    for (const uint16_t version : {uint16_t{2}, uint16_t{3}})
+        all.push_back(client_case(fmt::format("R-123/version-{}", version),
+                                  fmt::format("A session in version {}, where the client offers it", version),
+                                  [version](ClientTrial& trial) {
+                                      ClientPeer& peer = trial.accept();
+                                      const ClientHello& hello = peer.await_hello();
+                                      if (version < hello.protocol_min || version > hello.protocol_max)
+                                          throw Skipped{"the client does not offer it"};
+                                      peer.welcome_now([&](ServerHello& ours) { ours.protocol = version; });
+                                      peer.expect_service();
+                                  }));
+    constexpr Due version{ErrorCode::protocol_version, requirement::version_range};
+    all.push_back(hello_refused(
+        "R-123/version-above", "Our hello takes a version above those offered",
+        [](ServerHello hello) {
+            hello.protocol = 1000;
+            return encode(ServerMessage{hello});
+        },
+        version));
+    all.push_back(hello_refused(
+        "R-123/version-below", "Our hello takes a version below those offered",
+        [](ServerHello hello) {
+            hello.protocol = 1;
+            return encode(ServerMessage{hello});
+        },
+        version));
+    all.push_back(client_case("R-117/ServerHello-protocol-0",
+                              "Our hello takes version 0, which is none: out of range, or not offered",
+                              [version](ClientTrial& trial) {
+                                  ClientPeer& peer = trial.accept();
+                                  peer.await_hello();
+                                  ServerHello hello = peer.usual_hello();
+                                  hello.protocol = 0;
+                                  peer.send(hello);
+                                  peer.expect_goodbye(out_of_range, {version});
+                              }));
+    all.push_back(hello_refused("R-141/other-model", "Our hello says that we compute another sea",
+                                [](ServerHello hello) {
+                                    ++hello.model;
+                                    return encode(ServerMessage{hello});
+                                },
+                                {ErrorCode::model_version, requirement::model_version}));
+    all.push_back(client_case(
+        "R-142/stamp-not-echoed",
+        "Our hello echoes another stamp than the client's: it may be refused, or the exchange not be used",
+        [](ClientTrial& trial) {
+            ClientPeer& peer = trial.welcome([](ServerHello& hello) { hello.client_stamp_us += 12345; });
+            peer.expect_goodbye_or_service({{ErrorCode::value_out_of_range, any_due_requirement}});
+        }));
+}
+
 }  // namespace
 
 void add_hello_cases(Catalogue& all) {
-    all.push_back(about_hello("R-101/magic", "The stream opens with the magic",
-                              [](const ClientHello&, ClientTrial&) {}));
+    all.push_back(about_hello("R-101/magic", "The stream opens with the magic", was_framed));
     all.push_back(client_case(
         "R-122/in-time", "The hello comes whole within 5 s of the connection", [](ClientTrial& trial) {
             ClientPeer& peer = trial.accept();
@@ -91,55 +148,7 @@ void add_hello_cases(Catalogue& all) {
                                   peer.welcome_now();
                                   peer.expect_service();
                               }));
-    for (const uint16_t version : {uint16_t{2}, uint16_t{3}})
-        all.push_back(client_case(fmt::format("R-123/version-{}", version),
-                                  fmt::format("A session in version {}, where the client offers it", version),
-                                  [version](ClientTrial& trial) {
-                                      ClientPeer& peer = trial.accept();
-                                      const ClientHello& hello = peer.await_hello();
-                                      if (version < hello.protocol_min || version > hello.protocol_max)
-                                          throw Skipped{"the client does not offer it"};
-                                      peer.welcome_now([&](ServerHello& ours) { ours.protocol = version; });
-                                      peer.expect_service();
-                                  }));
-    constexpr Due version{ErrorCode::protocol_version, requirement::version_range};
-    all.push_back(hello_refused(
-        "R-123/version-above", "Our hello takes a version above those offered",
-        [](ServerHello hello) {
-            hello.protocol = 1000;
-            return encode(ServerMessage{hello});
-        },
-        version));
-    all.push_back(hello_refused(
-        "R-123/version-below", "Our hello takes a version below those offered",
-        [](ServerHello hello) {
-            hello.protocol = 1;
-            return encode(ServerMessage{hello});
-        },
-        version));
-    all.push_back(client_case("R-117/ServerHello-protocol-0",
-                              "Our hello takes version 0, which is none: out of range, or not offered",
-                              [version](ClientTrial& trial) {
-                                  ClientPeer& peer = trial.accept();
-                                  peer.await_hello();
-                                  ServerHello hello = peer.usual_hello();
-                                  hello.protocol = 0;
-                                  peer.send(hello);
-                                  peer.expect_goodbye(out_of_range, {version});
-                              }));
-    all.push_back(hello_refused("R-141/other-model", "Our hello says that we compute another sea",
-                                [](ServerHello hello) {
-                                    ++hello.model;
-                                    return encode(ServerMessage{hello});
-                                },
-                                {ErrorCode::model_version, requirement::model_version}));
-    all.push_back(client_case(
-        "R-142/stamp-not-echoed",
-        "Our hello echoes another stamp than the client's: it may be refused, or the exchange not be used",
-        [](ClientTrial& trial) {
-            ClientPeer& peer = trial.welcome([](ServerHello& hello) { hello.client_stamp_us += 12345; });
-            peer.expect_goodbye_or_service({{ErrorCode::value_out_of_range, any_due_requirement}});
-        }));
+    add_answers(all);
 }
 
 }  // namespace trochoid::conformance::client

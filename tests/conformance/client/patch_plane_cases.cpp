@@ -17,7 +17,7 @@ constexpr float nan = std::numeric_limits<float>::quiet_NaN();
 
 ClientPeer& welcome_in_version_3(ClientTrial& trial) {
     ClientPeer& peer = trial.welcome();
-    if (peer.ours().protocol < 3) throw Skipped{"the client does not offer version 3"};
+    need_version(peer, first_with_patch_planes);
     return peer;
 }
 
@@ -97,7 +97,7 @@ void add_wrong_values(Catalogue& all) {
         row.spoil(delta);
         all.push_back(refused(fmt::format("R-{}/Delta-planes-{}", row.due.requirement, row.name),
                               fmt::format("A result with planes: {}", row.title),
-                              encode(ServerMessage{delta}), row.due));
+                              encode(ServerMessage{delta}), row.due, first_with_patch_planes));
     }
 }
 
@@ -124,15 +124,15 @@ void add_wrong_bytes(Catalogue& all) {
     for (int32_t z = 0; z < 20; ++z)
         change.patches.push_back({{16, 0, z}, {{{3}, 1}, {{5}, 2}}, 0.125F, 0.25F});
     const Bytes good = code_patches(change, boxes_named(change.patches));
-    const auto add = [&](const char* name, const char* title, std::vector<uint32_t> ids, Bytes planes,
-                         bool also_lists = false) {
+    const auto add = [&](const char* name, const char* title, const std::vector<uint32_t>& ids,
+                         const Bytes& planes, bool also_lists = false) {
         all.push_back(refused(fmt::format("R-117/Delta-planes-{}", name),
                               fmt::format("A result with planes: {}", title),
-                              delta_of(ids, planes, also_lists), out_of_range));
+                              delta_of(ids, planes, also_lists), out_of_range, first_with_patch_planes));
     };
     Bytes longer = good;
     longer.push_back(0);
-    // 0 as a varint of two bytes: 20 patches, 0 of them removed.
+    // 20 patches, 0 of them removed: the count 20 in two bytes.
     Bytes padded = good;
     padded.insert(padded.begin() + 1, 0x00);
     padded[0] |= 0x80U;

@@ -1,5 +1,7 @@
 #include "tests/conformance/client/refusals.hpp"
 
+#include <fmt/format.h>
+
 #include <utility>
 
 #include "protocol/units/version.hpp"
@@ -7,10 +9,16 @@
 
 namespace trochoid::conformance::client {
 
-Case refused(std::string id, std::string title, Bytes payload, Due due) {
+void need_version(const ClientPeer& peer, uint16_t version) {
+    if (peer.ours().protocol < version)
+        throw Skipped{fmt::format("the client does not offer version {}", version)};
+}
+
+Case refused(std::string id, std::string title, Bytes payload, Due due, uint16_t since) {
     return client_case(std::move(id), std::move(title),
-                       [payload = std::move(payload), due](ClientTrial& trial) {
+                       [payload = std::move(payload), due, since](ClientTrial& trial) {
                            ClientPeer& peer = trial.welcome();
+                           need_version(peer, since);
                            peer.send_payload(payload);
                            peer.expect_goodbye(due);
                        });

@@ -16,8 +16,10 @@ inline constexpr Due not_unit{ErrorCode::not_a_unit_quaternion, requirement::uni
 inline constexpr Due absent{ErrorCode::missing_field, requirement::fields_present};
 inline constexpr Due unexpected{ErrorCode::unexpected_message, any_due_requirement};
 
-/// After both hellos this payload comes: the goodbye has to be that one.
-Case refused(std::string id, std::string title, Bytes payload, Due due);
+/// Skips the case where the session's version, the highest that the client offers, is an earlier one.
+void need_version(const ClientPeer& peer, uint16_t version);
+/// After both hellos this payload comes: the goodbye has to be that one. `since`: the protocol version that knows what is wrong in it.
+Case refused(std::string id, std::string title, Bytes payload, Due due, uint16_t since = 2);
 /// The same in the place of our hello.
 Case refused_first(std::string id, std::string title, Bytes payload, Due due);
 /// After both hellos this payload comes: the session goes on.

@@ -13,6 +13,9 @@ void add_erring_clients(std::vector<Mutant>& all);
 /// They come again with what is not theirs.
 void add_returning_clients(std::vector<Mutant>& all);
 
+/// They break what lies below the messages: first bytes, WebSocket, TLS.
+void add_clients_below_messages(std::vector<Mutant>& all);
+
 /// From the fourth clock request on, about 150 ms after the hellos: most cases are over by then. Told once a connection.
 template <class Say>
 MakeSpoiler once_settled(Say say) {

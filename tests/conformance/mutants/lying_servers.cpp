@@ -307,6 +307,12 @@ void add_sessions(std::vector<Mutant>& all) {
 // ---- results, probes, terrain ----
 
 void add_results(std::vector<Mutant>& all) {
+    all.push_back(server_mutant(133, "no-window", "goes on with results that nobody has acknowledged",
+                                each_of_server<Delta>([](Delta& piece, const Talk&, Link& link) {
+                                    if (piece.last)
+                                        link.say_to_server(Ack{piece.result, piece.state_hash, 0, {}});
+                                    return Fate::kept;
+                                })));
     all.push_back(server_mutant(133, "other-state", "tells another hash than that of the state it has sent",
                                 each_of_server<Delta>([](Delta& piece, const Talk&, Link&) {
                                     if (!piece.last || piece.change.empty()) return Fate::kept;

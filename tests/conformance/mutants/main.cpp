@@ -13,8 +13,9 @@ namespace {
 constexpr const char* usage =
     "trochoid-mutant: a program that breaks one requirement, made of one that breaks none and a relay before it\n"
     "  trochoid-mutant --list                               names, requirements, sides and what each does\n"
-    "  trochoid-mutant NAME --to HOST:PORT --port-file F    relays to the server there, at a free port of its own\n"
-    "  trochoid-mutant NAME --to HOST:PORT --run COMMAND    the same for a client, which COMMAND starts ({here}: our address)\n";
+    "  trochoid-mutant NAME --to ADDRESS --port-file F      relays to the server there, at a free port of its own\n"
+    "  trochoid-mutant NAME --to ADDRESS --run COMMAND      the same for a client, which COMMAND starts ({here}: our address)\n"
+    "ADDRESS: HOST:PORT; behind tls://, ws:// or wss:// {here} is as well, and bytes pass as they are\n";
 
 struct Options {
     std::string name;
@@ -47,9 +48,9 @@ Options read(int argc, char** argv) {
     return options;
 }
 
-std::string with_address(std::string command, uint16_t port) {
+std::string with_address(std::string command, uint16_t port, Transport transport) {
     constexpr std::string_view mark = "{here}";
-    const std::string here = fmt::format("127.0.0.1:{}", port);
+    const std::string here = to_text({"127.0.0.1", port, transport});
     for (size_t at = 0; (at = command.find(mark, at)) != std::string::npos; at += here.size())
         command.replace(at, mark.size(), here);
     return command;
@@ -72,7 +73,7 @@ int run_program(int argc, char** argv) {
     if (found == all.end())
         throw OperatorError(fmt::format("there is no mutant {}: see --list", options.name));
     relay(*options.to, found->make, options.port_file, [&](uint16_t port) {
-        if (!options.command.empty()) run_beside(with_address(options.command, port));
+        if (!options.command.empty()) run_beside(with_address(options.command, port, options.to->transport));
     });
 }
 

@@ -56,6 +56,7 @@ std::vector<Mutant> all_mutants() {
     add_lying_clients(all);
     add_erring_clients(all);
     add_returning_clients(all);
+    add_clients_below_messages(all);
     std::stable_sort(all.begin(), all.end(),
                      [](const Mutant& a, const Mutant& b) { return a.requirement < b.requirement; });
     all.insert(all.begin(), {Mutant{"honest", 0, Side::server, "A server that breaks nothing",

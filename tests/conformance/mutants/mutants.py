@@ -2,7 +2,7 @@
 
 A mutant is an honest program behind trochoid-mutant. Of each the kit has to fail cases, and of its requirement alone: a failed case belongs to
 the requirement that its reason names first ("R-134: result 4 came after result 2"), else to that of its id. Verdicts: exact; also (others fail,
-named); survives (none of its own fails). AS says whose cases see a requirement that has none of its own."""
+named); survives (none of its own fails). AS says whose cases cannot but fail with a requirement's own."""
 import argparse
 import collections
 import concurrent.futures
@@ -23,7 +23,7 @@ BIN = pathlib.Path(os.environ.get("TROCHOID_BIN", pathlib.Path(os.environ.get("T
 PATIENCE_S = 60
 # Mutants that CI can afford, of each kind one: what reads, who may, what is sent, what is computed.
 QUICK = ("honest", "size-field", "any-world", "any-sequence", "late-anyway", "pieces-miscounted", "last-bit")
-# From outside the rules of arithmetic show in samples only, all at once: the cases of R-204 are theirs.
+# Another arithmetic shows in every sample: the cases of R-204 fail as well, beside those that say which it is.
 AS = {"R-201": "R-204", "R-202": "R-204", "R-203": "R-204"}
 # What a mutant leaves out has to be in the scene.
 SCENES = {"no-wakes": "ship-wakes", "no-irregular-heights": "irregular-heights", "no-round-waves": "round-waves", "no-noise": "gradient-noise",
@@ -119,10 +119,11 @@ def judge_server(mutant, scene, only, timeout_s, jobs):
 def verdict_of(mutant, report):
     failed = [c for c in report["cases"] if c["verdict"] == "failed"]
     counts = collections.Counter(map(broken_of, failed))
-    own = counts.pop(mutant.requirement, 0) + counts.pop(AS.get(mutant.requirement), 0)
+    own = counts.pop(mutant.requirement, 0)
+    beside = counts.pop(AS.get(mutant.requirement), 0)
     others = dict(sorted(counts.items()))
-    row = {"name": mutant.name, "side": mutant.side, "requirement": mutant.requirement, "what": mutant.what, "own": own, "others": others,
-           "cases": {c["id"]: c["reason"] for c in failed}, "took_s": round(report["took_us"] * 1e-6, 1)}
+    row = {"name": mutant.name, "side": mutant.side, "requirement": mutant.requirement, "what": mutant.what, "own": own, "beside": beside,
+           "others": others, "cases": {c["id"]: c["reason"] for c in failed}, "took_s": round(report["took_us"] * 1e-6, 1)}
     if mutant.name.startswith("honest"):
         row["verdict"] = "exact" if not failed else "also"
     else:
@@ -132,9 +133,23 @@ def verdict_of(mutant, report):
 
 def line_of(row):
     others = " ".join(f"{r} ({n})" for r, n in row["others"].items())
-    if row["requirement"] in AS:
-        others = f"(cases of {AS[row['requirement']]}) {others}"
+    if row["beside"] > 0:
+        others = f"(beside {row['beside']} of {AS[row['requirement']]}) {others}"
     return f"{row['requirement']:<6} {row['name']:<24} {row['own']:>4} {row['verdict']:<9} {row['took_s']:>6.1f} s  {others}"
+
+
+def forgotten():
+    """Requirements of the standard that neither a mutant breaks nor WITHOUT explains: all of either side, and of both what both keep."""
+    text = (SOURCE / "protocol/README.md").read_text()
+    numbered = set(re.findall(r"\*\*(R-\d+)\*\*", text))
+    covered = {side: {m.requirement for m in mutants(side)} | set(without)
+               for side, without in (("server", WITHOUT), ("client", client_mutants.WITHOUT))}
+    both = set()
+    for numbers in re.findall(r"^\| (R-[^|]*) \| CS \|", text, re.MULTILINE):
+        for first, last in re.findall(r"R-(\d+)(?: to R-(\d+))?", numbers):
+            both |= {f"R-{number}" for number in range(int(first), int(last or first) + 1)}
+    missing = numbered - covered["server"] - covered["client"]
+    return sorted(missing | (both & numbered) - (covered["server"] & covered["client"]))
 
 
 def required(rows):
@@ -190,6 +205,9 @@ def main():
         for side, without in (("server", WITHOUT), ("client", client_mutants.WITHOUT)):
             if wanted.side in (side, None):
                 print(*(f"{requirement:<6} no mutant of a {side}: {why}" for requirement, why in sorted(without.items())), sep="\n")
+    left = forgotten()
+    if left:
+        print("neither a mutant nor a reason why there is none:", *left)
     exact = sum(v == "exact" for v in best.values())
     honest = all(r["verdict"] == "exact" for r in rows if r["requirement"] == "R-0")
     print(f"{exact} of {len(best)} requirements have a mutant that fails exactly their cases; {sum(r['verdict'] == 'exact' for r in rows)} of {len(rows)} "
@@ -200,10 +218,11 @@ def main():
         pathlib.Path(wanted.figures).write_text(json.dumps({
             "figure": f"{exact} of {len(best)} requirements have a mutant that fails exactly their cases",
             "checks": [{"name": "requirements with an exact mutant", "value": exact, "bar": len(best), "holds": exact == len(best)},
+                       {"name": "requirements without a mutant or a reason", "value": len(left), "bar": 0, "holds": not left},
                        {"name": "the honest relay passes", "value": int(honest), "bar": 1, "holds": honest}],
             "figures": {f"{r['side']} {r['name']}": r["own"] for r in rows}}))
         return 0
-    return 0 if honest and exact == len(best) else 1
+    return 0 if honest and exact == len(best) and not left else 1
 
 
 if __name__ == "__main__":

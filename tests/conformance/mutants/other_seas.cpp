@@ -1,11 +1,9 @@
 #include <algorithm>
 #include <bit>
-#include <cmath>
-#include <numbers>
 
-#include "protocol/model/sincos.hpp"
 #include "tests/conformance/local_sea.hpp"
 #include "tests/conformance/mutants/server_mutants.hpp"
+#include "tests/conformance/other_arithmetic.hpp"
 
 // Servers that compute another sea, or judge clients by another one.
 namespace trochoid::conformance::mutants {
@@ -43,12 +41,6 @@ private:
     std::map<uint32_t, std::vector<LatticePoint>> asked_;
 };
 
-uint32_t phase_at(const LiveBox& live, size_t train, LatticePoint place) {
-    const WaveTrain& record = live.box->record.trains[train];
-    return static_cast<uint32_t>(record.kx) * static_cast<uint32_t>(place.x) +
-           static_cast<uint32_t>(record.kz) * static_cast<uint32_t>(place.z) + live.phase[train];
-}
-
 template <Layer layer>
 SurfaceSample without(const Sea& sea, SeaTime time, LatticePoint place) {
     return SeaInstant(sea, time, authoritative_layers.without(layer)).evaluate(place);
@@ -59,41 +51,14 @@ MakeSpoiler sea_without() {
     return [] { return std::make_unique<OtherSea>(without<layer>); };
 }
 
-/// Phases of 24 bits, as a float would have them.
-SurfaceSample with_coarse_phases(const Sea& sea, SeaTime time, LatticePoint place) {
-    const SeaInstant instant(sea, time);
-    std::vector<std::shared_ptr<const PreparedBox>> boxes;
-    for (const LiveBox& live : instant.live()) {
-        auto box = std::make_shared<PreparedBox>(*live.box);
-        for (size_t i = 0; i < box->record.trains.size(); ++i)
-            box->record.trains[i].phase -= phase_at(live, i, place) & 0xffU;
-        boxes.push_back(std::move(box));
-    }
-    return SeaInstant(Sea(std::move(boxes)), time).evaluate(place);
+template <Arithmetic how>
+SurfaceSample by(const Sea& sea, SeaTime time, LatticePoint place) {
+    return sample_by(how, SeaInstant(sea, time), place);
 }
 
-/// The first train's cosine from the mathematical library.
-SurfaceSample with_library_cosine(const Sea& sea, SeaTime time, LatticePoint place) {
-    const SeaInstant instant(sea, time);
-    SurfaceSample sample = instant.evaluate(place);
-    for (const LiveBox& live : instant.live()) {
-        if (live.box->record.trains.empty()) continue;
-        const uint32_t phase = phase_at(live, 0, place);
-        const double turns = static_cast<double>(phase) / 4294967296.0;
-        const auto library = static_cast<float>(std::cos(2.0 * std::numbers::pi * turns));
-        sample.ay += live.box->record.trains[0].amplitude * (library - sincos_turns(phase).cos);
-        break;
-    }
-    return sample;
-}
-
-/// The normal by fused products.
-SurfaceSample with_fused_normal(const Sea& sea, SeaTime time, LatticePoint place) {
-    SurfaceSample s = SeaInstant(sea, time).evaluate(place);
-    s.nx = std::fma(s.yz, s.pzx, -(s.pzz * s.yx));
-    s.ny = std::fma(s.pzz, s.pxx, -(s.pxz * s.pzx));
-    s.nz = std::fma(s.pxz, s.yx, -(s.yz * s.pxx));
-    return s;
+template <Arithmetic how>
+MakeSpoiler sea_by() {
+    return [] { return std::make_unique<OtherSea>(by<how>); };
 }
 
 float neighbour(float value) { return std::bit_cast<float>(std::bit_cast<uint32_t>(value) ^ 1U); }
@@ -101,15 +66,22 @@ float neighbour(float value) { return std::bit_cast<float>(std::bit_cast<uint32_
 }  // namespace
 
 void add_other_seas(std::vector<Mutant>& all) {
-    const auto reckoned = [](OtherSea::Reckon reckon) -> MakeSpoiler {
-        return [reckon] { return std::make_unique<OtherSea>(reckon); };
-    };
-    all.push_back(server_mutant(201, "fused-products", "fuses products and sums in the normal",
-                                reckoned(with_fused_normal)));
     all.push_back(
-        server_mutant(202, "coarse-phases", "computes phases of 24 bits", reckoned(with_coarse_phases)));
-    all.push_back(server_mutant(203, "library-cosine", "takes a cosine from the mathematical library",
-                                reckoned(with_library_cosine)));
+        server_mutant(201, "fused-products", "fuses products and sums", sea_by<Arithmetic::fused>()));
+    all.push_back(server_mutant(201, "wider-sums", "sums in double precision", sea_by<Arithmetic::wider>()));
+    all.push_back(
+        server_mutant(201, "four-sums", "sums trains in four lanes", sea_by<Arithmetic::four_sums>()));
+    all.push_back(server_mutant(202, "coarse-phases", "computes phases of 24 bits",
+                                sea_by<Arithmetic::short_phases>()));
+    all.push_back(server_mutant(202, "double-phases", "computes phases in double precision",
+                                sea_by<Arithmetic::double_phases>()));
+    all.push_back(server_mutant(203, "library-cosine",
+                                "takes sines and cosines from the mathematical library",
+                                sea_by<Arithmetic::library_sine>()));
+    all.push_back(
+        server_mutant(203, "fused-sine", "computes sines in fused steps", sea_by<Arithmetic::fused_sine>()));
+    all.push_back(server_mutant(203, "unfolded-sine", "computes sines as sums of powers",
+                                sea_by<Arithmetic::unfolded_sine>()));
     all.push_back(server_mutant(204, "last-bit", "computes heights of which the last bit is another",
                                 each_of_server<SampleReply>([](SampleReply& reply, const Talk&, Link&) {
                                     for (SurfaceSample& sample : reply.samples)

@@ -75,11 +75,20 @@ class Connection:
         del self._arrived[:8 + length]
         return payload
 
+    def _say_close_notify(self):
+        """R-106; what still comes counts no more."""
+        try:
+            self._socket = self._socket.unwrap()
+        except OSError:
+            pass
+
     def close(self):
         """Says that nothing more comes, and lets what was sent arrive: an end with bytes unread would throw it away."""
         deadline = time.monotonic() + LINGER_S
         try:
             self._socket.settimeout(LINGER_S)
+            if isinstance(self._socket, ssl.SSLSocket):
+                self._say_close_notify()
             self._socket.shutdown(socket.SHUT_WR)
             while time.monotonic() < deadline and self._socket.recv(65536):
                 pass

@@ -109,15 +109,25 @@ class WebSocketTest(unittest.TestCase):
 
     def test_frames_that_are_refused(self):
         for data, code in (
-                ((0x81, 1, 65), "malformed_frame"), ((0x80, 1, 65), "malformed_frame"), ((0xC2, 1, 65), "malformed_frame"),
-                ((0x82, 0x81, 0, 0, 0, 0, 65), "malformed_frame"), ((0x09, 0), "malformed_frame"),
-                ((0x82, 126, 0x40, 1), "frame_too_long"), ((0x82, 127, 0, 0, 0, 1, 0, 0, 0, 0), "frame_too_long")):
+                ((0x81, 1, 65), "malformed_frame"), ((0x82, 126, 0x40, 1), "frame_too_long"),
+                ((0x82, 127, 0, 0, 0, 1, 0, 0, 0, 0), "frame_too_long")):
             web = self.connect()
             self.server.sendall(bytes(data))
             web.receive(5)
             with self.assertRaises(Refusal) as caught:
                 web.next()
             self.assertEqual(caught.exception.code, code, data)
+
+    def test_frames_that_break_rfc_6455(self):
+        for data in ((0x80, 1, 65), (0xC2, 1, 65), (0x83, 1, 65), (0x82, 0x81, 0, 0, 0, 0, 65), (0x09, 0), (0x02, 1, 65, 0x82, 1, 65)):
+            web = self.connect()
+            self.server.sendall(bytes(data))
+            web.receive(5)
+            with self.assertRaises(Closed):
+                web.next()
+            self.server.shutdown(socket.SHUT_WR)
+            web.close()
+            self.assertEqual(unmasked(self.server), (8, struct.pack(">H", 1002)), data)
 
     def test_upgrades_that_are_wrong(self):
         for changes in ({"Sec_WebSocket_Accept": "x"}, {"Upgrade": "h2c"}, {"Sec-WebSocket-Protocol": "chat"},

@@ -19,7 +19,7 @@ class WebSocket(Connection):
     def __init__(self, sock, host):
         self._host = host
         self._message = None  # parts of a message that is not whole
-        self._closing = False
+        self._close = struct.pack(">H", 1000)  # what our close frame says
         super().__init__(sock)
 
     def begin(self):
@@ -72,20 +72,22 @@ class WebSocket(Connection):
             if opcode == PING:
                 self._frame(PONG, payload)
             elif opcode == CLOSE:
-                self._closing = True
+                self._close = payload[:2]
                 code = struct.unpack(">H", payload[:2])[0] if len(payload) >= 2 else 0
                 raise Closed(f"the server closes the WebSocket: {code} {payload[2:].decode(errors='replace')}")
             elif opcode in (CONTINUATION, BINARY):
                 if (self._message is None) == (opcode == CONTINUATION):
-                    raise Refusal("malformed_frame", 102, "fragments of WebSocket messages out of order")
+                    self._break_off("fragments out of order")
                 self._message = (self._message or b"") + payload
                 if len(self._message) > self.limit:
                     raise Refusal("frame_too_long", 103, f"a WebSocket message of more than {self.limit} bytes")
                 if final:
                     whole, self._message = self._message, None
                     return whole
+            elif opcode == TEXT:
+                raise Refusal("malformed_frame", 102, "a text message")
             elif opcode != PONG:
-                raise Refusal("malformed_frame", 102, f"a WebSocket frame with opcode {opcode}")
+                self._break_off(f"a frame with opcode {opcode}")
         return None
 
     def _next_frame(self):
@@ -101,7 +103,7 @@ class WebSocket(Connection):
             size, at = int.from_bytes(data[2:2 + wide], "big"), 2 + wide
         opcode = data[0] & 15
         if data[0] & 0x70 or data[1] & 128 or opcode >= CLOSE and (size > 125 or not data[0] & 128):
-            raise Refusal("malformed_frame", 102, "a WebSocket frame that RFC 6455 forbids a server")
+            self._break_off("a frame that no server may send")
         if size > self.limit:
             raise Refusal("frame_too_long", 103, f"a WebSocket frame of {size} bytes; the limit is {self.limit}")
         if len(data) < at + size:
@@ -110,9 +112,14 @@ class WebSocket(Connection):
         del data[:at + size]
         return final, opcode, payload
 
+    def _break_off(self, what):
+        """RFC 6455 is broken: a close frame is all that is left to say (R-105)."""
+        self._close = struct.pack(">H", 1002)
+        raise Closed(f"the server breaks RFC 6455: {what}")
+
     def close(self):
         try:
-            self._frame(CLOSE, b"" if self._closing else struct.pack(">H", 1000))
+            self._frame(CLOSE, self._close)
         except OSError:
             pass
         super().close()

@@ -13,8 +13,8 @@ namespace trochoid::conformance::server {
 namespace {
 
 void add_http(Catalogue& all) {
-    const auto answered = [&](const char* id, const char* title, std::string request,
-                              std::vector<int> statuses, std::string word = "") {
+    const auto answered = [&](const char* id, const char* title, const std::string& request,
+                              const std::vector<int>& statuses, const std::string& word = "") {
         all.push_back(server_case(std::string("R-104/") + id, title, [=](ServerTrial& trial) {
             const std::string answer = WebPeer(trial).request(request);
             const int status = status_of(answer);
@@ -119,7 +119,7 @@ void add_upgrades(Catalogue& all) {
                 throw Failed{"the server agrees to compression"};
         }));
     const auto refused = [&](const char* id, const char* title, const char* except, const char* more,
-                             std::vector<int> statuses) {
+                             const std::vector<int>& statuses) {
         all.push_back(server_case(std::string("R-105/") + id, title, [=](ServerTrial& trial) {
             const std::string head = WebPeer(trial).upgrade(except, more);
             const int status = status_of(head);
@@ -197,7 +197,7 @@ void add_messages(Catalogue& all) {
                 throw Failed{"the goodbye has another code than 106"};
             // 4000 + code, as none of RFC 6455's own codes says it.
             constexpr uint16_t wanted = 4000 + static_cast<uint16_t>(ErrorCode::value_out_of_range);
-            expect_code(web.expect_end(), {wanted, 1011});
+            expect_code(web.expect_end().close_code, {wanted, 1011});
         });
     add("ping", "A ping is answered with its payload", [](ServerTrial& trial) {
         WebPeer web = logged_in(trial);
@@ -222,21 +222,31 @@ void add_messages(Catalogue& all) {
         web.send_frame(0x80 | web_continuation, whole.subspan(20));
         await<ClockReply>(web);
     });
+}
+
+void add_web_ends(Catalogue& all) {
     const auto ends = [&](const char* id, const char* title, std::function<void(WebPeer&)> wrong,
-                          std::vector<uint16_t> codes = {1002}) {
-        add(id, title, [wrong = std::move(wrong), codes = std::move(codes)](ServerTrial& trial) {
-            WebPeer web = logged_in(trial);
-            wrong(web);
-            const uint16_t code = web.expect_end();
-            trial.note(fmt::format("close code {}", code));
-            expect_code(code, codes);
-        });
+                          std::vector<uint16_t> codes = {1002}, ErrorCode told = ErrorCode::none) {
+        all.push_back(server_case(
+            std::string("R-105/") + id, title,
+            [wrong = std::move(wrong), codes = std::move(codes), told](ServerTrial& trial) {
+                WebPeer web = logged_in(trial);
+                wrong(web);
+                const WebEnd end = web.expect_end();
+                trial.note(fmt::format("close code {}, goodbye {}", end.close_code,
+                                       static_cast<unsigned>(end.told)));
+                expect_code(end.close_code, codes);
+                if (told != ErrorCode::none && end.told != told)
+                    throw Failed{fmt::format("R-105: before the end comes goodbye {} (0: none), not {}",
+                                             static_cast<unsigned>(end.told), static_cast<unsigned>(told))};
+            }));
     };
-    ends("text", "A text message ends the session",
-         [](WebPeer& web) {
-             web.send_frame(0x80 | web_text, encode(ClientMessage{ClockRequest{1, 1}}));
-         },
-         {1003, 4102});
+    ends(
+        "text", "A text message ends the session",
+        [](WebPeer& web) {
+            web.send_frame(0x80 | web_text, encode(ClientMessage{ClockRequest{1, 1}}));
+        },
+        {1003, 4102}, ErrorCode::malformed_frame);
     ends("not-masked", "A frame that is not masked ends the session", [](WebPeer& web) {
         web.send_frame(0x80 | web_binary, encode(ClientMessage{ClockRequest{1, 1}}), false);
     });
@@ -245,22 +255,24 @@ void add_messages(Catalogue& all) {
     });
     ends("reserved-opcode", "A frame of a reserved opcode ends the session",
          [](WebPeer& web) { web.send_frame(0x83, Bytes(4)); });
-    ends("too-long", "A message of more than frames may have ends the session",
-         [](WebPeer& web) { web.send_frame(0x80 | web_binary, Bytes(65536 + 8)); }, {1009, 4101});
-    ends("too-long-in-fragments",
-         "Fragments that make a message of more than frames may have end the session",
-         [](WebPeer& web) {
-             for (int i = 0; i < 3; ++i)
-                 web.send_frame(i == 0 ? web_binary : web_continuation, Bytes(30'000));
-         },
-         {1009, 4101});
-    ends("announced-too-long",
-         "A frame that announces 2^40 bytes ends the session, at the latest when more come than may",
-         [](WebPeer& web) {
-             web.stream().send_bytes(Bytes{0x82, 0xff, 0, 0, 1, 0, 0, 0, 0, 0, 1, 2, 3, 4});
-             web.stream().send_bytes(Bytes(65'536 + 8));
-         },
-         {1009, 4101});
+    ends(
+        "too-long", "A message of more than frames may have ends the session",
+        [](WebPeer& web) { web.send_frame(0x80 | web_binary, Bytes(65536 + 8)); }, {1009, 4101},
+        ErrorCode::frame_too_long);
+    ends(
+        "too-long-in-fragments", "Fragments that make a message of more than frames may have end the session",
+        [](WebPeer& web) {
+            for (int i = 0; i < 3; ++i) web.send_frame(i == 0 ? web_binary : web_continuation, Bytes(30'000));
+        },
+        {1009, 4101}, ErrorCode::frame_too_long);
+    ends(
+        "announced-too-long",
+        "A frame that announces 2^40 bytes ends the session, at the latest when more come than may",
+        [](WebPeer& web) {
+            web.stream().send_bytes(Bytes{0x82, 0xff, 0, 0, 1, 0, 0, 0, 0, 0, 1, 2, 3, 4});
+            web.stream().send_bytes(Bytes(65'536 + 8));
+        },
+        {1009, 4101}, ErrorCode::frame_too_long);
     ends("message-within-message", "A message that begins within another ends the session", [](WebPeer& web) {
         web.send_frame(web_binary, Bytes(8));
         web.send_frame(web_last | web_binary, Bytes(8));
@@ -286,6 +298,7 @@ void add_front_cases(Catalogue& all) {
     add_http(all);
     add_upgrades(all);
     add_messages(all);
+    add_web_ends(all);
 }
 
 }  // namespace trochoid::conformance::server

@@ -82,9 +82,14 @@ std::pair<size_t, int64_t> check_successors(const InterestState& state, SeaTime 
         const BoxId id = held.first;
         const auto& next = held.second;
         if (next->begin != effective || next->fade_us == 0) continue;
-        const auto old = std::find_if(state.boxes.begin(), state.boxes.end(), [&](const auto& entry) {
-            return entry.first < id && entry.second->end == effective && same_waves(*entry.second, *next);
+        const auto with_its_waves = [&](const auto& entry) {
+            return entry.first != id && same_waves(*entry.second, *next);
+        };
+        auto old = std::find_if(state.boxes.begin(), state.boxes.end(), [&](const auto& entry) {
+            return with_its_waves(entry) && entry.second->end == effective;
         });
+        if (old == state.boxes.end())
+            old = std::find_if(state.boxes.begin(), state.boxes.end(), with_its_waves);
         if (old == state.boxes.end())
             throw Failed{fmt::format("box {} takes over from a box that is not there", id.value)};
         check_successor(*next, *old->second, effective);

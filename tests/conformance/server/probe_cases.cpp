@@ -78,9 +78,7 @@ void compare_here(ServerTrial& trial, ServerPeer& peer, const std::vector<Lattic
     throw Skipped{"the sea changes too fast to be probed"};
 }
 
-}  // namespace
-
-void add_probe_cases(Catalogue& all) {
+void add_sums(Catalogue& all) {
     all.push_back(server_case(
         "R-161/in-view", "Sums in view, part by part, are those of the state held", [](ServerTrial& trial) {
             ServerPeer& peer = probing(trial);
@@ -126,8 +124,12 @@ void add_probe_cases(Catalogue& all) {
                 throw Failed{fmt::format("{} points of {} parts each were answered, not {}",
                                          reply.points.size(), each, fit)};
         }));
+}
+
+void add_limits(Catalogue& all) {
     all.push_back(server_case(
-        "R-164/rate", "Of twelve probes in one write six or seven are answered, the others refused",
+        "R-164/rate",
+        "Of twelve probes in one write six are answered, and those that time frees; the others are refused",
         [](ServerTrial& trial) {
             ServerPeer& peer = probing(trial);
             Bytes together;
@@ -206,6 +208,9 @@ void add_probe_cases(Catalogue& all) {
                         }
                         peer.expect_goodbye(ErrorCode::rate_limited, any_requirement);
                     }));
+}
+
+void add_earlier_version(Catalogue& all) {
     const auto version_2 = [&](const char* id, const char* title,
                                std::function<ClientMessage(uint32_t)> message) {
         all.push_back(server_case(id, title, [message = std::move(message)](ServerTrial& trial) {
@@ -229,6 +234,14 @@ void add_probe_cases(Catalogue& all) {
         found.result = 1;
         return found;
     });
+}
+
+}  // namespace
+
+void add_probe_cases(Catalogue& all) {
+    add_sums(all);
+    add_limits(all);
+    add_earlier_version(all);
 }
 
 }  // namespace trochoid::conformance::server

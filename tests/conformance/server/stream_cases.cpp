@@ -24,7 +24,10 @@ void expect_read(ServerPeer& peer) {
     const Deadline deadline(peer.target().patience);
     while (!peer.goodbye() && peer.receive(deadline.left())) {
     }
-    if (!peer.goodbye()) return;
+    if (!peer.goodbye()) {
+        if (peer.stream().state() != Stream::State::open) throw Failed{"the stream ended without a goodbye"};
+        return;
+    }
     const ErrorCode code = peer.goodbye()->code;
     if (code == ErrorCode::frame_too_long || code == ErrorCode::malformed_frame)
         throw Failed{fmt::format("the frame was refused with code {} ({})", static_cast<unsigned>(code),

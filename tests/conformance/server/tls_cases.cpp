@@ -32,6 +32,14 @@ std::unique_ptr<TlsStream> shaken(const ServerTrial& trial, const TlsOffer& offe
     return begin_tls(connect_tcp(encrypted(trial), patience), offer, patience);
 }
 
+/// The server has refused the handshake; what else failed is thrown on.
+void note_refusal(ServerTrial& trial, const Failed& refused) {
+    if (!refused.reason.starts_with("R-106: no TLS handshake") ||
+        refused.reason.find("no answer in time") != std::string::npos)
+        throw Failed{refused.reason};
+    trial.note(refused.reason);
+}
+
 void add_handshakes(Catalogue& all) {
     const auto add = [&](const char* id, const char* title, ServerBody body) {
         all.push_back(server_case(std::string("R-106/") + id, title, std::move(body)));
@@ -46,7 +54,7 @@ void add_handshakes(Catalogue& all) {
         try {
             shaken(trial, offer);
         } catch (const Failed& refused) {
-            trial.note(refused.reason);
+            note_refusal(trial, refused);
             return;
         }
         throw Failed{"the server agrees to TLS 1.2"};
@@ -73,9 +81,8 @@ void add_handshakes(Catalogue& all) {
                 if (!shaken(trial, offer)->agreement().protocol.empty())
                     throw Failed{"the server agrees to h2"};
             } catch (const Failed& refused) {
-                // Refusing the handshake is as good (RFC 7301).
-                if (!refused.reason.starts_with("R-106: no TLS handshake")) throw;
-                trial.note(refused.reason);
+                // As good (RFC 7301).
+                note_refusal(trial, refused);
             }
         });
     add("early-data", "The server's tickets allow no early data", [](ServerTrial& trial) {
@@ -110,7 +117,9 @@ void add_ends(Catalogue& all) {
                                 auto tcp = connect_tcp(server, trial.target().patience);
                                 tcp->write(Bytes{0x16, 3, 1, 2, 0, 1, 0, 1, 0xfc, 3, 3});
                                 std::array<uint8_t, 4096> answer;
-                                tcp->read(answer, deadline + trial.target().patience);
+                                const Deadline patience(deadline + trial.target().patience);
+                                while (!patience.passed() && tcp->state() == Stream::State::open)
+                                    tcp->read(answer, patience.left());
                                 if (tcp->state() == Stream::State::open)
                                     throw Failed{"the connection stays open beyond the hello's deadline"};
                             });

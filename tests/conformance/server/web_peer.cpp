@@ -55,17 +55,21 @@ ServerMessage WebPeer::receive_message() {
     return std::move(*decoded);
 }
 
-uint16_t WebPeer::expect_end() {
-    uint16_t code = 0;
-    while (const auto message = receive())
+WebEnd WebPeer::expect_end() {
+    WebEnd end;
+    while (const auto message = receive()) {
         if (message->opcode == web_close) {
-            code = close_code_of(*message);
+            end.close_code = close_code_of(*message);
             send_frame(web_last | web_close, message->payload);
+        } else if (message->opcode == web_binary && end.close_code == 0) {
+            const Result<ServerMessage> said = decode_server(message->payload);
+            if (const auto* goodbye = said ? std::get_if<Goodbye>(&*said) : nullptr) end.told = goodbye->code;
         }
+    }
     while (read_more()) {
     }
     if (stream().state() == Stream::State::open) throw Failed{"the server did not end the connection"};
-    return code;
+    return end;
 }
 
 }  // namespace trochoid::conformance::server

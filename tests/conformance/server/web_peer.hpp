@@ -7,6 +7,12 @@
 
 namespace trochoid::conformance::server {
 
+/// How a WebSocket ended.
+struct WebEnd {
+    uint16_t close_code = 0;           ///< of the close frame; 0: none came
+    ErrorCode told = ErrorCode::none;  ///< of the goodbye before it; none: none came
+};
+
 /// HTTP and WebSocket by hand over a connection of a trial: what is wrong can be sent, too.
 class WebPeer {
 public:
@@ -23,8 +29,8 @@ public:
     std::optional<WebMessage> receive();
     /// The next binary message, decoded. Failed where none comes, or none that a server may send.
     ServerMessage receive_message();
-    /// The stream ends in time. The code of the close frame that came before, 0 where none did; it is answered.
-    uint16_t expect_end();
+    /// The stream ends in time; a close frame is answered.
+    WebEnd expect_end();
     FramedStream& stream() { return peer_.stream(); }
 
 private:

@@ -68,10 +68,10 @@ TEST(Admission, AddressesAreForgottenAndTheirNumberIsBounded) {
 
 class HeldBack : public ServerFixture {
 protected:
-    HeldBack() { logins_per_second = 2; }
-    // Eight are in.
+    HeldBack() { logins_per_second = 1; }
+    // Four are in.
     void use_up_the_burst() {
-        for (int i = 0; i < 8; ++i) {
+        for (int i = 0; i < 4; ++i) {
             in_.push_back(std::make_unique<RawClient>(port()));
             ASSERT_TRUE(in_.back()->log_in()) << i;
         }
@@ -119,8 +119,8 @@ TEST_F(HeldBack, BeyondThoseWhoWaitTheCodeSaysWhenToComeAgain) {
     start();
     use_up_the_burst();
     std::vector<std::unique_ptr<RawClient>> waiting;
-    waiting.reserve(4);
-    for (int i = 0; i < 4; ++i) waiting.push_back(std::make_unique<RawClient>(port()));
+    waiting.reserve(2);
+    for (int i = 0; i < 2; ++i) waiting.push_back(std::make_unique<RawClient>(port()));
     RawClient beyond(port());
     const auto goodbye = beyond.wait_for<Goodbye>();
     ASSERT_TRUE(goodbye);

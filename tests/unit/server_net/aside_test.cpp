@@ -169,5 +169,28 @@ TEST_F(Aside, AfterAResyncTheSnapshotIsComputedAside) {
     EXPECT_EQ(snapshot->state_hash, hash_of(sea.state_for(RawClient::usual_hello().view)));
 }
 
+// One whose result is being computed, and one whose turn has not come.
+TEST_F(Aside, WhoeverWaitsForItIsToldWhenTheServerShutsDown) {
+    sea.holds_aside = true;
+    start();
+    RawClient first(port());
+    RawClient second(port());
+    ASSERT_TRUE(first.log_in() && second.log_in());
+    ASSERT_TRUE(asked(1));
+    std::promise<void> drained;
+    loop.post([&] { sessions->drain([&] { drained.set_value(); }); });
+    for (RawClient* client : {&first, &second}) {
+        const auto goodbye = client->wait_for<Goodbye>(milliseconds(1000));
+        ASSERT_TRUE(goodbye);
+        EXPECT_EQ(goodbye->code, ErrorCode::shutting_down);
+    }
+    ASSERT_TRUE(release());
+    first.disconnect();
+    second.disconnect();
+    EXPECT_EQ(drained.get_future().wait_for(milliseconds(1500)), std::future_status::ready);
+    EXPECT_EQ(stats().results, 0U);
+    EXPECT_EQ(sea.asked_aside, 1U) << "nothing is computed for those who leave";
+}
+
 }  // namespace
 }  // namespace trochoid

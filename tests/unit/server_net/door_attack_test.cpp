@@ -1,5 +1,6 @@
 #include <array>
 #include <atomic>
+#include <csignal>
 #include <set>
 #include <vector>
 
@@ -201,6 +202,7 @@ TEST_F(DoorAttack, AModestGuestIsNotTheOneToGo) {
     start();
     FormClient patient(Form::tls, port());  // oldest of all, and not in yet
     std::vector<std::unique_ptr<BytePipe>> held;
+    held.reserve(200);
     for (int i = 0; i < 200; ++i) held.push_back(connect_tcp(port(), "127.0.0.1", attacker(i)));
     ASSERT_TRUE(eventually([&] { return door().made_room == 200 - 31; }));
     EXPECT_TRUE(patient.log_in());
@@ -296,6 +298,45 @@ TEST_F(DoorAttack, KeyUpdatesAreReadOneByOne) {
     EXPECT_EQ(stats().sessions_now, 1U);
 }
 
+/// A ClientHello made so long by a padding extension (RFC 7685).
+Bytes padded(Bytes hello, size_t length) {
+    constexpr size_t extension_header = 4;
+    const size_t more = length - hello.size();
+    const auto grow = [&](size_t at) {
+        const size_t grown = (size_t{hello[at]} << 8 | hello[at + 1]) + more;
+        hello[at] = static_cast<uint8_t>(grown >> 8);
+        hello[at + 1] = static_cast<uint8_t>(grown);
+    };
+    grow(3);  // the record
+    grow(7);  // the message, the lower two bytes of its length
+    size_t at = 5 + 4 + 2 + 32;
+    at += 1 + size_t{hello[at]};                                 // the session
+    at += 2 + (size_t{hello[at]} << 8 | size_t{hello[at + 1]});  // cipher suites
+    at += 1 + size_t{hello[at]};                                 // compression
+    grow(at);                                                    // the extensions
+    const size_t zeros = more - extension_header;
+    hello.insert(hello.end(), {0, 21, static_cast<uint8_t>(zeros >> 8), static_cast<uint8_t>(zeros)});
+    hello.resize(length);
+    return hello;
+}
+
+// Nothing follows a hello until it is answered: it is whole when its last byte has been read, in whatever steps.
+TEST_F(DoorAttack, HellosOfAnyLengthAreAnswered) {
+    start();
+    for (const size_t length : {400U, 1033U, 1034U, 2057U, 2058U, 2600U, 3081U, 3082U, 4000U, 4096U})
+        for (const size_t first : {0U, 1U, 5U, 9U, 1500U}) {
+            if (first >= length) continue;
+            TlsByHand client(port());
+            const Bytes hello = padded(client.hello(), length);
+            client.pipe().write(std::span(hello).first(first));
+            if (first > 0) std::this_thread::sleep_for(milliseconds(5));
+            client.pipe().write(std::span(hello).subspan(first));
+            std::array<uint8_t, 1> answer{};
+            ASSERT_EQ(client.pipe().read(answer, milliseconds(2000)), 1U) << length << " after " << first;
+            EXPECT_EQ(answer[0], 0x16) << length << " after " << first;
+        }
+}
+
 // A ClientHello in crumbs, each a record of its own, would be a thousand reads of the socket in one call of OpenSSL's.
 TEST_F(DoorAttack, AHelloInManyRecordsIsRefused) {
     ReadCounts read;
@@ -343,6 +384,141 @@ TEST_F(DoorAttack, InTheMiddleOfAKeyUpdateNothingBreaks) {
     ASSERT_TRUE(client.pipe().write(std::span<const uint8_t>(rest)));
     EXPECT_FALSE(client.read().empty());
     EXPECT_EQ(stats().sessions_now, 1U);
+}
+
+/// Peers that have been given their last word and go on sending, each on a thread, until nothing more is taken.
+class ToldOff : public DoorFixture {
+protected:
+    ToldOff() { std::signal(SIGPIPE, SIG_IGN); }  // OpenSSL writes to what has been closed
+    struct Peer {
+        std::string name;
+        std::shared_ptr<BytePipe> pipe;
+        std::string flood;
+        std::shared_ptr<void> owner;  // of the pipe
+        ReadCounts read;
+        uint64_t before = 0;
+    };
+    /// The pipe's reads are counted apart, if it is made behind this.
+    Peer& newcomer(std::string name) {
+        Peer& peer = *peers_.emplace_back(std::make_unique<Peer>());
+        peer.name = std::move(name);
+        on_loop([&] {
+            counts = &peer.read;
+            return 0;
+        });
+        return peer;
+    }
+    template <class Owner>
+    static void own(Peer& peer, std::shared_ptr<Owner> owner, std::string flood) {
+        peer.pipe = std::shared_ptr<BytePipe>(owner, &owner->pipe());
+        peer.owner = std::move(owner);
+        peer.flood = std::move(flood);
+        peer.before = peer.read.bytes;
+    }
+    void own(Peer& peer, std::shared_ptr<BytePipe> pipe) {
+        // Counted from when it has been read once.
+        EXPECT_TRUE(eventually([&] { return peer.read.bytes > 0; })) << peer.name;
+        peer.pipe = std::move(pipe);
+        peer.flood = zeros_;
+        peer.before = peer.read.bytes;
+    }
+    void expect_all_gone_soon() {
+        Peer& other = newcomer("neighbour");
+        FormClient neighbour(Form::raw, port());
+        ASSERT_TRUE(neighbour.log_in());
+        const auto begun = std::chrono::steady_clock::now();
+        std::vector<std::thread> floods;
+        for (const auto& peer : peers_)
+            if (peer->pipe)
+                floods.emplace_back([&one = *peer, begun] {
+                    while (std::chrono::steady_clock::now() - begun < milliseconds(6000) &&
+                           one.pipe->write(one.flood)) {
+                    }
+                });
+        for (uint32_t i = 1; i <= 20; ++i) {
+            const auto asked = std::chrono::steady_clock::now();
+            neighbour.send(ClockRequest{i, 0});
+            EXPECT_TRUE(neighbour.wait_for<ClockReply>());
+            EXPECT_LT(std::chrono::steady_clock::now() - asked, milliseconds(1000));
+            std::this_thread::sleep_for(milliseconds(20));
+        }
+        EXPECT_TRUE(eventually([&] { return stats().sessions_now == 1 && door().guests_now == 0; }));
+        EXPECT_LT(std::chrono::steady_clock::now() - begun, milliseconds(5000));
+        for (std::thread& flood : floods) flood.join();
+        for (const auto& peer : peers_) {
+            if (peer->pipe) {
+                EXPECT_LE(peer->read.bytes - peer->before, most_dropped_bytes + 65536) << peer->name;
+            }
+        }
+        EXPECT_GT(other.read.bytes, 0U);
+    }
+    const std::string unmasked_ = "\x82\x05hello";
+    const std::string zeros_ = std::string(1 << 18, '\0');
+
+private:
+    std::vector<std::unique_ptr<Peer>> peers_;
+};
+
+TEST_F(ToldOff, ASessionReadsAMebibyteMore) {
+    start();
+    const Bytes message = WebFrame{.payload = Bytes(60000)}.bytes();
+    const std::string messages(message.begin(), message.end());
+    for (const Form form : all_forms) {
+        Peer& peer = newcomer(name_of(form));
+        const auto client = std::make_shared<FormClient>(form, port());
+        ASSERT_TRUE(client->log_in()) << peer.name;
+        client->send(RawClient::usual_hello());
+        EXPECT_EQ(goodbye_to(*client), ErrorCode::unexpected_message) << peer.name;
+        own(peer, client, form == Form::raw || form == Form::tls ? zeros_ : messages);
+    }
+    Peer& torn_web = newcomer("broken WebSocket");
+    const auto web = std::make_shared<FormClient>(Form::web, port());
+    ASSERT_TRUE(web->log_in());
+    web->pipe().write(unmasked_);
+    EXPECT_FALSE(web->wait_for<Goodbye>());
+    EXPECT_EQ(web->close_code(), 1002U);
+    own(torn_web, web, zeros_);
+    for (const bool records : {false, true}) {
+        Peer& peer = newcomer(records ? "TLS records without content" : "broken TLS");
+        const auto tls = std::make_shared<TlsByHand>(port());
+        ASSERT_TRUE(tls->shake_hands());
+        Bytes hello(stream_magic.begin(), stream_magic.end());
+        const Bytes framed = frame(encode(RawClient::usual_hello()));
+        for (int i = 0; i < (records ? 2 : 1); ++i) hello.insert(hello.end(), framed.begin(), framed.end());
+        ASSERT_TRUE(tls->write(hello));
+        ASSERT_TRUE(eventually([&] { return stats().sessions_started == (records ? 7U : 6U); }));
+        const Bytes updates = records ? tls->key_updates(20000) : Bytes{};
+        own(peer, tls, records ? std::string(updates.begin(), updates.end()) : zeros_);
+    }
+    expect_all_gone_soon();
+    EXPECT_EQ(stats().ended[ErrorCode::unexpected_message] + stats().ended[ErrorCode::malformed_frame], 7U);
+}
+
+TEST_F(ToldOff, TheDoorReadsAMebibyteMore) {
+    start();
+    const std::string garbage = "\x16\x03\x01\x02" + std::string(12, '\0');
+    for (const std::string& first : {std::string("nonsense"), garbage, std::string("PRI * HTTP/2.0\r\n\r\n"),
+                                     std::string("GET /livez HTTP/1.1\r\nHost: localhost\r\n\r\n")}) {
+        Peer& plain = newcomer(first);
+        auto pipe = connect_tcp(port());
+        pipe->write(first);
+        own(plain, std::move(pipe));
+        if (first == garbage) continue;
+        Peer& encrypted = newcomer(first + " inside TLS");
+        auto tls = connect_tls(port());
+        ASSERT_TRUE(tls);
+        tls->write(first);
+        own(encrypted, std::move(tls));
+    }
+    Peer& torn = newcomer("broken TLS");
+    const auto tls = std::make_shared<TlsByHand>(port());
+    ASSERT_TRUE(tls->shake_hands());
+    own(torn, tls, zeros_);
+    Peer& web = newcomer("broken WebSocket");
+    auto pipe = connect_tcp(port());
+    pipe->write(UpgradeWish{}.text() + unmasked_);
+    own(web, std::move(pipe));
+    expect_all_gone_soon();
 }
 
 TEST_F(DoorAttack, WhatIsOddEndsAndHoldsNothingUp) {

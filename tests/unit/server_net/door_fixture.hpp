@@ -42,6 +42,7 @@ struct ReadCounts {
     std::atomic<uint64_t> most_reads = 0;  ///< reads of the socket
     std::atomic<uint64_t> most_bytes = 0;
     std::atomic<uint64_t> reads = 0;  ///< in all
+    std::atomic<uint64_t> bytes = 0;  ///< in all
 };
 
 /// Counts them.
@@ -60,6 +61,7 @@ public:
     Moved read(std::span<uint8_t> into) override {
         const Moved moved = inner_->read(into);
         ++counts_.reads;
+        counts_.bytes += moved.bytes;
         ++turn_->reads;
         turn_->bytes += moved.bytes;
         if (turn_->reads > counts_.most_reads) counts_.most_reads = turn_->reads;

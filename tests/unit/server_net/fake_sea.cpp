@@ -123,7 +123,7 @@ void FakeSea::make_result_aside(const ResultRequest& request,
                                 const std::function<void(std::optional<MadeResult>)>& done) {
     ++asked_aside;
     if (!holds_aside) return done(result_for(request));
-    aside_.push_back([done, made = result_for(request)] { done(made); });
+    aside_.emplace_back([done, made = result_for(request)] { done(made); });
 }
 
 bool FakeSea::release_aside() {

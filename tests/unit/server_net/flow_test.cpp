@@ -191,5 +191,23 @@ TEST_F(Flow, ClientsOwnGoodbyeIsRecorded) {
     EXPECT_TRUE(ended_with(ErrorCode::client_closed, 1));
 }
 
+// What is begun is written whole first; a client that reads again within the two seconds hears why it ends.
+TEST_F(Flow, AShutdownsGoodbyeComesBehindTheFrameThatIsBegun) {
+    sea.bulk = 12;
+    start();
+    RawClient client(port(), 4096);
+    ASSERT_TRUE(client.log_in());
+    std::this_thread::sleep_for(settle);
+    std::promise<void> drained;
+    loop.post([&] { sessions->drain([&] { drained.set_value(); }); });
+    std::this_thread::sleep_for(milliseconds(500));
+    const auto goodbye = client.wait_for<Goodbye>(milliseconds(1000));
+    ASSERT_TRUE(goodbye);
+    EXPECT_EQ(goodbye->code, ErrorCode::shutting_down);
+    EXPECT_TRUE(client.ends());
+    client.disconnect();
+    EXPECT_EQ(drained.get_future().wait_for(milliseconds(1500)), std::future_status::ready);
+}
+
 }  // namespace
 }  // namespace trochoid

@@ -325,5 +325,30 @@ TEST_F(WebSockets, PingsAloneDoNotKeepASessionAlive) {
     EXPECT_EQ(goodbye->code, ErrorCode::no_progress);
 }
 
+// A close frame that is never answered, a write that waits for ever: the place of its address is free again all the same.
+TEST_F(WebSockets, WhoSaysNoMoreLeavesItsPlace) {
+    policy.connections_per_loopback_address = 3;
+    limits.hello_deadline_ms = 300;
+    start();
+    const auto all_gone = [&] {
+        return eventually([&] { return door().guests_now == 0 && stats().sessions_now == 0; });
+    };
+    for (const bool in : {false, true}) {
+        std::vector<std::unique_ptr<FormClient>> silent;
+        for (int i = 0; i < 3; ++i) {
+            silent.push_back(std::make_unique<FormClient>(Form::web, port()));
+            if (in) {
+                ASSERT_TRUE(silent.back()->log_in()) << "the places of those before are not free";
+                silent.back()->send(RawClient::usual_hello());
+            } else {
+                ASSERT_TRUE(silent.back()->open());
+            }
+        }
+        ASSERT_TRUE(all_gone());
+    }
+    FormClient good(Form::web, port());
+    EXPECT_TRUE(good.log_in());
+}
+
 }  // namespace
 }  // namespace trochoid
