@@ -124,7 +124,6 @@ protected:
                       pipes.push_back(connect_tcp(port, "127.0.0.1", attacker(i)));
                       begin(*pipes.back());
                       if (pipes.size() > held) pipes.pop_front();
-                      ++begun_;
                   }
               }) {}
         Attack(const Attack&) = delete;
@@ -133,13 +132,13 @@ protected:
             over_ = true;
             thread_.join();
         }
-        int begun() const { return begun_; }
 
     private:
         std::atomic<bool> over_ = false;
-        std::atomic<int> begun_ = 0;
         std::thread thread_;
     };
+
+    ReadCounts read;  // lasts longer than the server's thread
 };
 
 TEST_F(DoorAttack, OneByteOfTlsTakesNoHandshake) {
@@ -278,7 +277,6 @@ TEST_F(DoorAttack, OnlyCheapKeyExchanges) {
 
 // Thousands of records that carry nothing: each is one turn of the loop, not all of them one.
 TEST_F(DoorAttack, KeyUpdatesAreReadOneByOne) {
-    ReadCounts read;
     counts = &read;
     start();
     TlsByHand client(port());
@@ -339,7 +337,6 @@ TEST_F(DoorAttack, HellosOfAnyLengthAreAnswered) {
 
 // A ClientHello in crumbs, each a record of its own, would be a thousand reads of the socket in one call of OpenSSL's.
 TEST_F(DoorAttack, AHelloInManyRecordsIsRefused) {
-    ReadCounts read;
     counts = &read;
     start();
     TlsByHand client(port());
@@ -523,7 +520,6 @@ TEST_F(ToldOff, TheDoorReadsAMebibyteMore) {
 
 TEST_F(DoorAttack, WhatIsOddEndsAndHoldsNothingUp) {
     limits.hello_deadline_ms = 700;
-    ReadCounts read;
     counts = &read;
     start();
     const std::string upgrade = UpgradeWish{}.text();

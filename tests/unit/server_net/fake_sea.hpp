@@ -23,7 +23,7 @@ public:
     std::atomic<bool> holds_aside{false};      ///< results aside wait for `release_aside`
     std::atomic<uint64_t> asked_aside{0};
     std::atomic<int64_t> costs_us{0};  ///< a result that is not made aside
-    std::atomic<bool> lies{false};  ///< the next result has a wrong train; probes tell the truth
+    std::atomic<bool> lies{false};     ///< the next result has a wrong train; probes tell the truth
     /// Set before the server starts.
     std::string token = "secret";  ///< makes directors, any number of times
 
