@@ -4,7 +4,7 @@
 #   ./test.sh              the quick tests, on a Release build
 #   ./test.sh --all        all of them, and format, lint, sanitizers and other architectures
 #   ./test.sh --leg NAME   only this leg (may be given several times):
-#       release        Release build and its quick and end-to-end tests (with --all: every test)
+#       release        Release build and its quick and end-to-end tests (with --all: every test, the thorough ones too)
 #       format         clang-format on every source file
 #       architectures  one hash of every scene on compilers, levels and emulated machines (tests/determinism/matrix)
 #       lint           clang-tidy on what changed since the main branch, or else in the last commit
@@ -131,7 +131,11 @@ PYTHON
 
 leg_release() {
     build release || return 0
-    if [ -n "$everything" ]; then run_tests release; else run_tests release -L '^(quick|e2e|conformance)$'; fi
+    if [ -n "$everything" ]; then
+        run_tests release
+    else
+        run_tests release -L '^(quick|e2e|conformance)$' -LE '^thorough$'
+    fi
 }
 
 # Instrumented code under software OpenGL is too slow to say anything: tests labelled gpu stay out.
