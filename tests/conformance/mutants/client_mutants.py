@@ -23,7 +23,7 @@ WITHOUT = {
     "R-203": "its results are those of R-205", "R-204": "its results are those of R-205"}
 PATIENCE_S = 900
 # Each of its cases waits for 5 s and does nothing: so many side by side.
-JOBS = {"client-late": 120}
+JOBS = {"client-late": 64}
 QUIET_JOBS = 4
 
 
