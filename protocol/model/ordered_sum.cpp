@@ -6,8 +6,6 @@
 
 namespace trochoid {
 
-namespace {
-
 Local combine(const Envelope& e, const LandSample& land, const HeightModulation& m) {
     const float gain =
         gain_to_float(static_cast<uint32_t>((static_cast<uint64_t>(e.gain) * land.gain) >> 24));
@@ -27,6 +25,8 @@ Local combine(const Envelope& e, const LandSample& land, const HeightModulation&
     l.qz = land.dshift_dz;
     return l;
 }
+
+namespace {
 
 void add_train(Sums& acc, const TrainConstants& t, const Local& l, uint32_t phase) {
     const SinCos wave = sincos_turns(phase);

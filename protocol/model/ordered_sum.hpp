@@ -25,6 +25,9 @@ struct Local {
     float qx = 0.0F, qz = 0.0F;    // gradient of the shift, rad/m
 };
 
+/// That of a train in the box's envelope, on the land, where waves are so high.
+Local combine(const Envelope& e, const LandSample& land, const HeightModulation& m);
+
 /// Adds the box's trains at the point under the envelope e. `locals` is scratch of the caller, one for each field.
 void add_trains(Sums& acc, const LiveBox& live, const Envelope& e, LatticePoint p, Layers layers,
                 std::vector<Local>& locals);

@@ -15,7 +15,8 @@ namespace trochoid {
 /// What sessions ask of the sea, answered from the authority's published state. On the io thread.
 class SeaService final : public SeaProvider {
 public:
-    /// `aside`: where results that hold up nobody are computed, outlives this object, and the loop does not run after it; nullptr: at once, on the io thread.
+    /// `aside`: where results that hold up nobody are computed; it outlives this object, and the loop does not run after it. nullptr: at
+    /// once, on the io thread.
     SeaService(SeaAuthority& authority, WorldInstance instance, TokenDoor& door,
                ResultWorker* aside = nullptr);
 

@@ -5,7 +5,6 @@
 #include <cmath>
 #include <numbers>
 
-#include "protocol/model/gain.hpp"
 #include "protocol/model/ordered_sum.hpp"
 #include "protocol/model/sincos.hpp"
 
@@ -89,26 +88,6 @@ uint32_t phase_of(Arithmetic how, const LiveBox& live, size_t i, SeaTime time, L
     return how == Arithmetic::short_phases ? exact & 0xffffff00U : exact;
 }
 
-Local combined(const Envelope& e, const LandSample& land, const HeightModulation& m) {
-    const float gain =
-        gain_to_float(static_cast<uint32_t>((static_cast<uint64_t>(e.gain) * land.gain) >> 24));
-    const float box_gain = gain_to_float(e.gain);
-    const float land_gain = gain_to_float(land.gain);
-    const float gain_dx = e.dg_dx * land_gain + box_gain * land.dgain_dx;
-    const float gain_dz = e.dg_dz * land_gain + box_gain * land.dgain_dz;
-    Local l;
-    l.shift = land.shift;
-    l.g = gain * m.factor;
-    l.gx = gain_dx * m.factor + gain * m.dx;
-    l.gz = gain_dz * m.factor + gain * m.dz;
-    l.gh = l.g * land.orbit;
-    l.ghx = l.gx * land.orbit + l.g * land.dorbit_dx;
-    l.ghz = l.gz * land.orbit + l.g * land.dorbit_dz;
-    l.qx = land.dshift_dx;
-    l.qz = land.dshift_dz;
-    return l;
-}
-
 void add_train(Arithmetic how, Totals& acc, const TrainConstants& t, const Local& l, const SinCos& wave) {
     const auto add = [&](Total which, float coefficient, float value) {
         acc[which] = step(how, coefficient, value, acc[which]);
@@ -152,7 +131,7 @@ void add_box(Arithmetic how, std::span<Totals> lanes, const LiveBox& live, const
     for (size_t i = 0; i < box.constants.size(); ++i) {
         const int16_t field = box.field_of_train[i];
         const LandSample land = field < 0 ? LandSample{} : box.fields[static_cast<size_t>(field)]->sample(p);
-        Local local = combined(e, land, m);
+        Local local = combine(e, land, m);
         if (record.roundness != 0) {
             const RoundShift bent = round_shift(record.roundness, box.constants[i].whole, record.width, v);
             local.shift += bent.shift;
